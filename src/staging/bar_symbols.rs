@@ -12,6 +12,12 @@ use glam::DVec3;
 /// A length that changes by less than this fraction does not.
 const CONSTANT: f64 = 1e-9;
 
+/// A body moves with a bar if it moves relative to it by less than this fraction of the mechanism's size.
+const AT_REST: f64 = 1e-6;
+
+/// Number of poses at which this is examined.
+const POSES: usize = 7;
+
 /// Each part of a bar that changes its length has this share of the greatest one, so that they overlap in a tenth of it; unless
 /// the bar is shorter than that at its shortest: then the parts do not meet where it is longest.
 const PART: f64 = 0.55;
@@ -76,6 +82,42 @@ pub fn drawn_bars(mechanism: &Mechanism, poses: &[PlacedLinks], radius: f64) -> 
         parts.into_iter().map(piece)
     });
     drawn.collect()
+}
+
+/// Whether every bar has no body that shows it: one with shapes that moves with the bar.
+pub fn bars_without_bodies(mechanism: &Mechanism, poses: &[PlacedLinks]) -> Vec<bool> {
+    let shaped = mechanism
+        .bodies
+        .iter()
+        .filter(|body| !body.shapes.is_empty());
+    let shaped: Vec<&Chain> = shaped.map(|body| &body.world_from_body).collect();
+    let stride = poses.len().div_ceil(POSES).max(1);
+    let slack = AT_REST * mechanism.size;
+    let is_shown = |[a, b]: [&Chain; 2], body: &Chain| {
+        // One end, and the direction to the other, as the body sees them.
+        let mut seen = poses.iter().step_by(stride).map(|at| {
+            let body_from_world = body.pose(&at.arguments).inverse();
+            let [a, b] = [a, b].map(|end| end.pose(&at.arguments).translation);
+            let along = body_from_world.rotation * (b - a).normalize_or_zero();
+            (
+                body_from_world.transform_point(a),
+                body_from_world.transform_point(b),
+                along,
+            )
+        });
+        let Some((first, second, way)) = seen.next() else {
+            return true;
+        };
+        seen.all(|(a, b, along)| {
+            let rests = a.distance(first) <= slack || b.distance(second) <= slack;
+            rests && along.distance(way) <= AT_REST
+        })
+    };
+    let shown = |Bar { ends, .. }: &Bar| {
+        let ends = ends.each_ref().map(|end| &end.point);
+        shaped.iter().any(|body| is_shown(ends, body))
+    };
+    mechanism.bars.iter().map(|bar| !shown(bar)).collect()
 }
 
 /// A ball for the end of a bar; `radius` is that of a pin.

@@ -91,7 +91,7 @@ pub fn moving_points(scene: &Scene, trajectory: &Trajectory) -> Vec<DVec3> {
     }
     points.extend(poses.iter().flat_map(|pose| pose.traces.iter().copied()));
     points.retain(|p| p.is_finite());
-    if mechanism.has_no_shapes() {
+    if mechanism.has_no_shapes() || !mechanism.bars.is_empty() {
         points.extend(link_symbols::moving_points(mechanism, trajectory));
     }
     points

@@ -36,11 +36,8 @@ impl DecorParts {
         let (mechanism, decor) = (&scene.mechanism, &scene.view.decor);
         let extent = bounds::box_of(bounds).map_or(1.0, |[low, high]| (high - low).length());
         // A scene without bodies draws its joints and links instead.
-        let joints = if decor.joints || mechanism.has_no_shapes() {
-            JointSymbols::new(scene, trajectory, (extent, up), meshes)
-        } else {
-            JointSymbols::default()
-        };
+        let are_shown = decor.joints || mechanism.has_no_shapes();
+        let joints = JointSymbols::new((scene, are_shown), trajectory, (extent, up), meshes);
         bounds.extend(joints.still_points());
         if let Some(length) = axes::world_length(decor.axes, extent) {
             bounds.extend(DVec3::AXES.map(|axis| axis * length));

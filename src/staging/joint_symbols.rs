@@ -83,14 +83,17 @@ pub struct JointSymbols {
 }
 
 impl JointSymbols {
-    /// Adds the meshes of all joints; nothing without any pose.
+    /// Adds the meshes of bars that no body shows, and of all joints if `are_shown`; nothing without any pose.
     pub fn new(
-        scene: &Scene,
+        (scene, are_shown): (&Scene, bool),
         trajectory: &Trajectory,
         (extent, up): (f64, DVec3),
         meshes: &mut Vec<StageMesh>,
     ) -> Self {
         let mechanism = &scene.mechanism;
+        if !are_shown && mechanism.bars.is_empty() {
+            return Self::default();
+        }
         let poses = placed_samples(mechanism, trajectory);
         let Some(first) = poses.first() else {
             return Self::default();
@@ -114,10 +117,11 @@ impl JointSymbols {
                 colour,
             });
         };
-        // Without bodies links and bars are drawn as rods.
+        // Without bodies links are drawn as rods, and bars wherever no body shows them.
+        let mut count = 0;
         if mechanism.has_no_shapes() {
             let links = link_symbols::drawn_links(mechanism, ROD * radius);
-            let count = links.len();
+            count = links.len();
             for link in links {
                 let frame = CarriedFrame::of_link(link.link);
                 add(link.solids, PieceCarrier::Link(frame), link.colour);
@@ -126,10 +130,15 @@ impl JointSymbols {
                 let rods = link_symbols::rods_between(&places, ROD * radius);
                 add(rods, PieceCarrier::End(chain.clone()), MOVER);
             }
-            for drawn in bar_symbols::drawn_bars(mechanism, &poses, ROD * radius) {
-                let colour = link_symbols::link_colour(count + drawn.bar);
-                add(drawn.solids, PieceCarrier::Bar(drawn.ends), colour);
-            }
+        }
+        let alone = bar_symbols::bars_without_bodies(mechanism, &poses);
+        let bars = bar_symbols::drawn_bars(mechanism, &poses, ROD * radius);
+        for drawn in bars.into_iter().filter(|drawn| alone[drawn.bar]) {
+            let colour = link_symbols::link_colour(count + drawn.bar);
+            add(drawn.solids, PieceCarrier::Bar(drawn.ends), colour);
+        }
+        if !are_shown {
+            return signs;
         }
         // A ball at every end of a bar; ground below fixed ones where no body shows it.
         for (end, is_fixed) in bar_symbols::bar_ends(mechanism) {

@@ -88,9 +88,12 @@ pub fn link_colour(number: usize) -> [u8; 3] {
     COLOURS[number % COLOURS.len()]
 }
 
-/// Places of all joints and ends of bars over the motion.
+/// Places of the ends of bars over the motion, and without bodies of all joints.
 pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec3> {
-    let placed = joints::placed_joints(mechanism);
+    let placed = match mechanism.has_no_shapes() {
+        true => joints::placed_joints(mechanism),
+        false => Vec::new(),
+    };
     let closed = trajectory.samples.iter();
     let closed: Vec<_> = closed.filter_map(|s| Some((s, s.pose.as_ref()?))).collect();
     let stride = closed.len().div_ceil(MAX_SAMPLES).max(1);

@@ -219,7 +219,7 @@ pub struct CheckArgs {
     #[arg(long, value_name = "NAME", requires = "swept")]
     pub relative_to: Option<String>,
     /// Cells along the longest side of the --swept mesh: more cells, a closer fit.
-    #[arg(long, value_name = "N", default_value_t = 96, value_parser = clap::value_parser!(u32).range(4..=1024))]
+    #[arg(long, value_name = "N", default_value_t = 96, value_parser = clap::value_parser!(u32).range(4..=1024), requires = "swept")]
     pub cells: u32,
 }
 
