@@ -3,6 +3,7 @@
 use super::cells::quoted_cell;
 use super::pieces::piece_cases;
 use super::rounded::{at_least_three, at_most_three, not_above, not_below};
+use super::sentences::counted_things;
 use super::verdict::{CLEARANCE, Case, CheckRequirements, Status};
 use crate::clearance::check::{ClearanceReport, FarPairs, Judgement, PairReport, Violation};
 use crate::diag::decimals_of;
@@ -72,7 +73,7 @@ pub(super) fn violations_sentence(p: &PairReport, has_gaps: bool) -> Option<Stri
     let shown = shown.collect::<Vec<_>>().join(", ");
     let more = match violations.list.len().saturating_sub(MOST_INTERVALS) {
         0 => String::new(),
-        more => format!(" and {more} more times"),
+        more => format!(" and {}", counted_things(more, "more time")),
     };
     (!violations.list.is_empty()).then(|| {
         let other = if has_gaps {

@@ -1,6 +1,6 @@
 //! The questions whether a motion closes, and whether a given pose does.
 
-use super::sentences::gap_sentence;
+use super::sentences::{angles_note, gap_sentence};
 use super::verdict::{Case, MOTION, Status};
 use crate::diag::decimals_of;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -98,14 +98,6 @@ pub fn offered_json(list: &[ClosureCheck]) -> [Vec<Value>; 2] {
         }
     }
     [loops, equations]
-}
-
-/// What a reader of a scene in degrees must know of the value of an equation.
-pub fn angles_note(mechanism: &Mechanism) -> &'static str {
-    match mechanism.angle_unit.radians.number() == 1.0 {
-        true => "",
-        false => ", angles in radians",
-    }
 }
 
 fn offered_sentence(mechanism: &Mechanism, item: &ClosureCheck) -> String {

@@ -1,6 +1,5 @@
 //! Events and gaps of a motion as sentences, with values in the scene's units.
 
-use super::closure::angles_note;
 use crate::diag::decimals_of;
 use crate::kinematics::results::trajectory::{Ending, Event, EventKind, Instant, MotionGap};
 use crate::model::mechanism::{Kind, Mechanism};
@@ -14,6 +13,14 @@ const LOCKED: f64 = 1e-9;
 /// A number of things: `1 mode`, `3 modes`.
 pub fn counted_things(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
+
+/// What a reader of a scene in degrees must know of the value of an equation.
+pub fn angles_note(mechanism: &Mechanism) -> &'static str {
+    match mechanism.angle_unit.radians.number() == 1.0 {
+        true => "",
+        false => ", angles in radians",
+    }
 }
 
 /// An interval without a pose as a sentence: the feasible interval of the drive ends and begins at its ends.

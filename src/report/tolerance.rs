@@ -70,11 +70,15 @@ impl ToleranceReport<'_> {
         let list = family.measures.list.iter().enumerate();
         rows.extend(list.filter_map(|(index, measure)| self.row(index, measure)));
         let samples = pieces.made;
+        let varying = match family.study.variables.len() {
+            1 => "1 dimension varies".to_owned(),
+            count => format!("{count} dimensions vary"),
+        };
         let mut text = format!(
-            "{}\n  {} dimensions vary, {samples} pieces, {} of them cannot be assembled or lack a value\n  measures are of {} poses, \
+            "{}\n  {}, {samples} pieces, {} of them cannot be assembled or lack a value\n  measures are of {} poses, \
              and of nothing between them\n\n",
             family.mechanism().title,
-            family.study.variables.len(),
+            varying,
             pieces.failed,
             self.study.nominal.poses.poses.len(),
         );

@@ -115,9 +115,12 @@ impl Evaluator<'_> {
         let first = self.family.mechanism().inputs.len();
         let (measures, rows) = (numbers[first..].to_vec(), rows.split_off(first));
         for (index, measure) in list.iter().enumerate() {
-            let finite = measures[index].is_finite() && rows[index].iter().all(|v| v.is_finite());
-            if !finite {
-                return Err(Rejection::NoValue(measure.name.clone()));
+            let name = || measure.name.clone();
+            if !measures[index].is_finite() {
+                return Err(Rejection::NoValue(name()));
+            }
+            if !rows[index].iter().all(|v| v.is_finite()) {
+                return Err(Rejection::NoDerivative(name()));
             }
         }
         Ok(Gradients { measures, rows })

@@ -123,7 +123,9 @@ impl Evaluator<'_> {
     pub fn refused_start(&self, poses: &TrackPoses, rejection: &Rejection) -> FamilyError {
         let why = match rejection {
             Rejection::NoValue(name) => self.why(poses, name),
-            Rejection::NotReached { .. } | Rejection::BranchLost { .. } => String::new(),
+            Rejection::NotReached { .. }
+            | Rejection::BranchLost { .. }
+            | Rejection::NoDerivative(_) => String::new(),
         };
         FamilyError::Lacks(format!("at the file's own values: {rejection}{why}"))
     }

@@ -27,7 +27,7 @@ impl Refusals {
             Err(_) if is_stopped => {}
             Err(Rejection::NotReached { .. }) => self.not_reached += 1,
             Err(Rejection::BranchLost { .. }) => self.branch_lost += 1,
-            Err(Rejection::NoValue(_)) => self.no_value += 1,
+            Err(Rejection::NoValue(_) | Rejection::NoDerivative(_)) => self.no_value += 1,
         }
         None
     }

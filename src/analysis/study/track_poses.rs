@@ -57,24 +57,26 @@ impl TrackPoses {
 
     /// Whether the poses are those of another way to the same values, except for rounding and full turns.
     pub(super) fn are_those_of(&self, other: &Self, mechanism: &Mechanism) -> bool {
-        let is_one = |(a, b): (&Vec<f64>, &Vec<f64>)| {
-            let mut unknowns = mechanism.unknowns.iter().enumerate();
-            unknowns.all(|(k, unknown)| {
-                let apart = match unknown.kind {
-                    Kind::Angle => libm::remainder(a[k] - b[k], TAU),
-                    Kind::Length | Kind::Number => a[k] - b[k],
-                };
-                apart.abs() <= SAME_POSE * mechanism.scale_of(k)
-            })
-        };
         let mut pairs = self.poses.iter().zip(&other.poses);
-        self.poses.len() == other.poses.len() && pairs.all(is_one)
+        self.poses.len() == other.poses.len() && pairs.all(|(a, b)| is_one_pose(mechanism, a, b))
     }
 
     /// Whether pose `index` is singular, so that sensitivities are meaningless.
     pub(super) fn is_singular(&self, index: usize) -> bool {
         self.signs[index].contains(&0)
     }
+}
+
+/// Whether two poses are one, except for rounding and full turns.
+fn is_one_pose(mechanism: &Mechanism, a: &[f64], b: &[f64]) -> bool {
+    let mut unknowns = mechanism.unknowns.iter().enumerate();
+    unknowns.all(|(k, unknown)| {
+        let apart = match unknown.kind {
+            Kind::Angle => libm::remainder(a[k] - b[k], TAU),
+            Kind::Length | Kind::Number => a[k] - b[k],
+        };
+        apart.abs() <= SAME_POSE * mechanism.scale_of(k)
+    })
 }
 
 /// Why values of the variables are rejected.
@@ -99,6 +101,9 @@ pub enum Rejection {
     /// A measure has no value.
     #[error("`{0}` has no value")]
     NoValue(String),
+    /// A measure has a value and no derivative: at the end of a root, say.
+    #[error("`{0}` has no derivative")]
+    NoDerivative(String),
 }
 
 /// Poses a family; one for each thread.
@@ -195,8 +200,8 @@ impl<'f> Evaluator<'f> {
         self.go(track_poses, values, false)
     }
 
-    /// The poses of a piece: as [`approach`](Self::approach), or along the piece's own motion. Next to a dead centre a pose of
-    /// the known ones may have no way to the piece's, though the piece moves.
+    /// The poses of a piece: as [`approach`](Self::approach), or along the piece's own motion, if one of its poses is next to a
+    /// known one. Next to a dead centre others of the known ones may have no way to the piece's, though the piece moves.
     ///
     /// # Errors
     /// The pose at which the way ends, if the piece has no whole motion in the same assembly either.
@@ -209,13 +214,22 @@ impl<'f> Evaluator<'f> {
             Ok(reached) => return Ok(reached),
             Err(rejection) => rejection,
         };
+        let known = track_poses.values.iter().zip(values);
+        let change: Vec<f64> = known.map(|(a, b)| b - a).collect();
+        // Steps begin from known sensitivities.
+        let mut next = 0..track_poses.sensitivities().map_or(0, <[_]>::len);
+        let near = next.find_map(|k| Some((k, self.pose(track_poses, k, &change, values)?)));
+        let Some((index, near)) = near else {
+            return Err(rejection);
+        };
         let own = self.family.with_start(values).assembled();
         let poses = own.and_then(|family| family.whole_motion());
         let poses = poses
             .filter(|_| !self.is_cancelled())
             .ok_or(rejection.clone())?;
+        let is_that = is_one_pose(self.family.mechanism(), &poses[index], &near);
         let mut pairs = poses.iter().zip(&track_poses.signs);
-        match pairs.all(|(pose, signs)| self.side(pose).0 == *signs) {
+        match is_that && pairs.all(|(pose, signs)| self.side(pose).0 == *signs) {
             true => Ok(track_poses.approached(values.to_vec(), poses)),
             false => Err(rejection),
         }

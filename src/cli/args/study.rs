@@ -96,7 +96,12 @@ pub struct ToleranceArgs {
     #[arg(long, value_name = "FACTOR", value_parser = parse_enlargement, requires = "picture")]
     pub enlarge: Option<f64>,
     /// Time in seconds of the pose in the picture.
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, requires = "picture")]
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        default_value_t = 0.0,
+        requires = "picture"
+    )]
     pub at: f64,
     /// Progress on standard error: a bar on a terminal (auto), plain lines, or none.
     #[arg(long, value_enum, default_value_t = ProgressArg::Auto)]

@@ -59,11 +59,20 @@ fn check_one(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     if let Some(failure) = answer.failure {
         // Without a pose there is nothing to draw or to list.
-        let drawn = [("--csv", &args.csv), ("--plot", &args.plot), ("--render", &args.render)];
-        let drawn = drawn.into_iter().chain([("--matrix", &args.matrix), ("--swept", &args.swept)]);
+        let drawn = [
+            ("--csv", &args.csv),
+            ("--plot", &args.plot),
+            ("--render", &args.render),
+        ];
+        let drawn = drawn
+            .into_iter()
+            .chain([("--matrix", &args.matrix), ("--swept", &args.swept)]);
         for (option, path) in drawn {
             if let Some(path) = path {
-                term.note(&format!("note: {option} {} was not written", path.display()));
+                term.note(&format!(
+                    "note: {option} {} was not written",
+                    path.display()
+                ));
             }
         }
         return Err(failure);

@@ -107,11 +107,17 @@ fn never_closed(system: &System, actuation: &Actuation, trajectory: &Trajectory)
         .into_iter()
         .filter_map(|e| event_contradiction(system, e))
         .collect();
-    hints.extend([
-        "give start values nearer to a pose: `[guess]` in the scene or --guess NAME=VALUE"
-            .to_owned(),
-        "or change the inputs: the mechanism may not reach this far".to_owned(),
-    ]);
+    // Where no assembly has a pose, no start values help.
+    let is_proved = first
+        .is_some_and(|event| matches!(event.kind, EventKind::StartNotClosed { proved: true, .. }));
+    hints.extend(match is_proved {
+        true => vec!["change the inputs, or dimensions: no assembly has a pose here".to_owned()],
+        false => vec![
+            "give start values nearer to a pose: `[guess]` in the scene or --guess NAME=VALUE"
+                .to_owned(),
+            "or change the inputs: the mechanism may not reach this far".to_owned(),
+        ],
+    });
     for feasible in feasible_inputs(system, actuation) {
         let input = &mechanism.inputs[feasible.input];
         let value = |v: f64| with_unit(mechanism, input.kind, v);

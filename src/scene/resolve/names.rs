@@ -238,10 +238,18 @@ impl Names {
         }
         match self.meaning(name) {
             Some(Meaning::Parameter(i)) => Ok(CompiledValue::Constant(self.parameters[i].value)),
-            Some(_) => Err(Diagnostic::error(format!(
-                "`{name}` varies, but a constant is required here"
-            ))
-            .at(span.clone())),
+            Some(meaning) => {
+                let message = format!("`{name}` varies, but a constant is required here");
+                let diagnostic = Diagnostic::error(message).at(span.clone());
+                // A misspelt parameter is taken for an unknown.
+                let parameters = self.parameters.iter().map(|p| p.name.as_str());
+                Err(match meaning {
+                    Meaning::Unknown(_) => diagnostic
+                        .label("no parameter has this name, so that loops determine it")
+                        .did_you_mean(name, parameters),
+                    _ => diagnostic,
+                })
+            }
             None => Err(self.undefined(name, span)),
         }
     }

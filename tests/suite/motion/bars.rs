@@ -317,3 +317,34 @@ more = { from = "P", to = [7, 7], length = 5, radius = 3 }
         );
     }
 }
+
+/// A bar that does not fit is off by a length: the distance of its ends minus its own.
+#[test]
+fn a_bar_that_does_not_fit_is_off_by_a_length() {
+    let w = crate::program::Workspace::new();
+    for (place, off) in [
+        (300.0, "200.000000 mm"),
+        (200.0, "100.000000 mm"),
+        (101.0, "1.000000 mm"),
+    ] {
+        w.write(
+            "b.toml",
+            format!(
+                "units = {{ length = \"mm\" }}\nduration = 1\n[inputs]\nu = \"{place:?} + 0*t\"\n[bars]\n\
+                 b = {{ from = [0, 0], to = \"T(u, y, 0)\", length = 100 }}\n"
+            ),
+        );
+        let run = w.run(&["check", "b.toml"]);
+        let said = run.text() + &run.stderr;
+        assert!(said.contains(&format!("{off} off its length")), "{said}");
+    }
+    // A pose that is offered: the ends are 108.17 apart.
+    w.write(
+        "p.toml",
+        "units = { length = \"mm\" }\nduration = 1\n[inputs]\nu = \"60 + 0*t\"\n[bars]\n\
+         b = { from = [0, 0], to = \"T(u, y, 0)\", length = 100 }\n",
+    );
+    let run = w.run(&["check", "p.toml", "--input", "u=60", "--pose", "y=90"]);
+    let said = run.text() + &run.stderr;
+    assert!(said.contains("off by 8.2e0 mm"), "{said}");
+}

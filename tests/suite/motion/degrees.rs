@@ -817,3 +817,30 @@ x = {{ of = "T.x", take = "first" }}
         }
     }
 }
+
+/// `R*phi` is an arc wherever it stands: the only unknown name in a product that is a length is a length.
+#[test]
+fn a_radius_beside_an_angle_is_a_length() {
+    let scene = |radius: &str, more: &str| {
+        format!(
+            "units = {{ length = \"mm\", angle = \"deg\" }}\nduration = 1\n[parameters]\nR = {radius}\nn = 3\n[inputs]\nphi = \"90*t\"\n\
+             [chains]\npinion = \"Rz(phi)\"\nrack = \"Tx(R*phi)\"\nslow = \"Tx(R*phi/n)\"\n[outputs]\narc = \"R*phi\"\n\
+             half = \"R*phi/2 + 1\"\n{more}[[bodies]]\nname = \"pinion\"\nframe = \"pinion\"\n[[bodies]]\nname = \"rack\"\nframe = \"rack\"\n\
+             [[traces]]\nname = \"T\"\nbody = \"rack\"\n"
+        )
+    };
+    for (radius, length) in [("20", 20.0), ("\"2*10\"", 20.0)] {
+        let scene = mechanim::Scene::parse("rack", &scene(radius, "")).unwrap();
+        let motion = scene.solve(mechanim::Samples::At(vec![1.0])).unwrap();
+        let arc = length * std::f64::consts::FRAC_PI_2;
+        for (name, expected) in [("T.x", arc), ("arc", arc), ("half", 0.5 * arc + 1.0)] {
+            let value = motion.values(name).unwrap()[0];
+            assert!(
+                (value - expected).abs() < 1e-12,
+                "{name}: {value} {expected}"
+            );
+        }
+        let units = scene.quantities();
+        assert_eq!(units.iter().find(|q| q.name == "arc").unwrap().unit, "mm");
+    }
+}

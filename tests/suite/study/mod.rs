@@ -1,6 +1,7 @@
 //! Sweeps, tolerances, sensitivities, optimisation and synthesis.
 
 mod abreast;
+mod dead_centres;
 mod frozen;
 mod jacobians;
 mod pose_groups;

@@ -407,7 +407,18 @@ fn mistakes_of_a_study_are_said_with_their_place() {
             &["sensitivity", "crank.toml", "--rank", "q"],
             "no measure `q`",
         ),
-        (&["tolerance", "crank.toml"], "there is no tolerance for L"),
+        (
+            &["tolerance", "crank.toml", "--vary", "all"],
+            "there is no tolerance for L",
+        ),
+        (
+            &["tolerance", "crank.toml", "--vary", "q"],
+            "no such parameter",
+        ),
+        (
+            &["enclose", "crank.toml", "--vary", "q"],
+            "no such parameter",
+        ),
         (
             &["tolerance", "crank.toml", "--pieces", "0"],
             "whole number",

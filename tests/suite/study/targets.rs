@@ -453,3 +453,77 @@ fn a_table_may_begin_anywhere_on_the_path() {
         );
     }
 }
+
+/// Weights of all rows that are the same change nothing but the weighted sum; a row of weight zero is not looked at.
+#[test]
+fn weights_do_not_change_what_a_mean_is() {
+    let w = Workspace::new();
+    w.write("s.toml", FOUR_BAR);
+    let source = Source {
+        name: "four-bar".to_owned(),
+        text: FOUR_BAR.to_owned(),
+    };
+    let name = load_scene(&source, &Overrides::default())
+        .unwrap()
+        .mechanism
+        .traces[0]
+        .name
+        .clone();
+    let table = motion_table(&source, &[(&name, "x"), (&name, "y")], 9);
+    let missed = |weight: &dyn Fn(usize) -> f64| -> (f64, f64, f64) {
+        let mut rows = table.lines().map(str::to_owned).collect::<Vec<String>>();
+        rows[0] += ",weight";
+        for (k, row) in rows.iter_mut().enumerate().skip(1) {
+            // One point is off, so that something is missed.
+            if k == 4 {
+                let cells: Vec<&str> = row.split(',').collect();
+                let x: f64 = cells[1].parse().unwrap();
+                *row = format!("{},{:?},{}", cells[0], x + 3.0, cells[2]);
+            }
+            *row += &format!(",{:?}", weight(k));
+        }
+        w.write("t.csv", rows.join("\n"));
+        let vary = load_scene(&source, &Overrides::default())
+            .unwrap()
+            .dimensions[0]
+            .clone();
+        let text = run(
+            &w,
+            &[
+                "synthesise",
+                "s.toml",
+                "--target",
+                "t.csv",
+                "--vary",
+                &vary,
+                "--starts",
+                "1",
+            ],
+        )
+        .text();
+        let line = text
+            .lines()
+            .find(|line| line.contains("sum of squares"))
+            .unwrap();
+        let number = |head: &str| -> f64 {
+            let rest = line.split(head).nth(1).unwrap().trim_start();
+            rest.split([' ', ',']).next().unwrap().parse().unwrap()
+        };
+        (
+            number("sum of squares"),
+            number("root mean square"),
+            number("farthest"),
+        )
+    };
+    let (sum, mean, farthest) = missed(&|_| 1.0);
+    assert!(mean <= farthest && farthest > 0.1, "{mean} {farthest}");
+    let (weighted, same, far) = missed(&|_| 100.0);
+    assert!((weighted / sum - 100.0).abs() < 1e-3, "{weighted} {sum}");
+    assert!((same / mean - 1.0).abs() < 1e-5 && (far / farthest - 1.0).abs() < 1e-5);
+    // Without the row that is off nothing is missed.
+    let (none, nothing, near) = missed(&|k| if k == 4 { 0.0 } else { 1.0 });
+    assert!(
+        none < 1e-9 && nothing < 1e-4 && near < 1e-4,
+        "{none} {nothing} {near}"
+    );
+}

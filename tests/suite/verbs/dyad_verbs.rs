@@ -211,7 +211,26 @@ fn what_is_no_row_of_dyads_is_refused_with_its_reason() {
                 "--delta",
                 "190..350",
             ],
-            "between 0 and 180",
+            "from an angle to its supplement",
+        ),
+        (
+            &[
+                "intervals",
+                "dyads",
+                "--derive",
+                "tied",
+                "--delta",
+                "100..170",
+            ],
+            "from an angle to its supplement",
+        ),
+        (
+            &["intervals", "dyads", "--derive", "tied", "--spread", "1"],
+            "--spread has an effect with",
+        ),
+        (
+            &["intervals", "dyads", "--derive", "formal", "--trials", "5"],
+            "--trials has an effect with --derive trials only",
         ),
     ] {
         space.run(arguments).exits(2).says(&[reason]);

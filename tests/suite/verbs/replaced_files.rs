@@ -360,3 +360,84 @@ fn nothing_endless_is_watched() {
         run.exits(2).says(&["--watch"]);
     }
 }
+
+/// Whatever a command reads besides its scene is not written over either.
+#[test]
+fn tables_studies_and_goldens_are_inputs_too() {
+    let w = Workspace::new();
+    w.write(
+        "f.toml",
+        mechanim::scene::builtin::find_builtin("four-bar")
+            .unwrap()
+            .text,
+    );
+    w.write("d.csv", "crank\n30\n31\n");
+    symlink(w.path("d.csv"), w.path("link.csv")).unwrap();
+    let sweep = ["sweep", "f.toml", "--design", "d.csv", "--outputs", "K.x"];
+    for out in ["d.csv", "link.csv", "./d.csv"] {
+        let run = w.run(&[&sweep[..], &["--out", out]].concat());
+        run.exits(2).says(&["is an input of this command"]);
+    }
+    let plan = [
+        "study",
+        "plan",
+        "sweep",
+        "f.toml",
+        "--design",
+        "d.csv",
+        "--outputs",
+        "K.x",
+    ];
+    w.run(&[&plan[..], &["--out", "st"]].concat()).exits(0);
+    w.run(&["study", "run", "st"]).exits(0);
+    for name in [
+        "st/plan.json",
+        "st/design.csv",
+        "st/parts/new.json",
+        "st/leases/x",
+    ] {
+        for arguments in [
+            ["study", "status", "st", "--json", name],
+            ["study", "merge", "st", "--out", name],
+        ] {
+            w.run(&arguments)
+                .exits(2)
+                .says(&["is an input of this command"]);
+        }
+    }
+    // A file of one's own beside them is written.
+    w.run(&["study", "merge", "st", "--out", "st/rows.csv"])
+        .exits(0);
+    assert!(
+        String::from_utf8(w.read("st/rows.csv"))
+            .unwrap()
+            .contains("K.x")
+    );
+    assert_eq!(w.read("d.csv"), b"crank\n30\n31\n");
+}
+
+/// What was started with `nohup` goes on when the terminal goes away.
+#[test]
+fn hangups_that_were_ignored_stay_ignored() {
+    let w = Workspace::new();
+    let program = env!("CARGO_BIN_EXE_mechanim");
+    let line = format!(
+        "trap '' HUP; exec {program} render gearshift --frames 20 --size 64x48 --out o.gif --quiet"
+    );
+    let mut shell = std::process::Command::new("sh");
+    let child = shell
+        .arg("-c")
+        .arg(line)
+        .current_dir(w.path(""))
+        .stderr(Stdio::null())
+        .spawn();
+    let mut child = child.unwrap();
+    std::thread::sleep(Duration::from_millis(60));
+    let hangup = std::process::Command::new("kill")
+        .arg("-HUP")
+        .arg(child.id().to_string())
+        .status();
+    assert!(hangup.is_ok());
+    assert!(child.wait().unwrap().success());
+    assert!(w.read("o.gif").starts_with(b"GIF89a"));
+}
