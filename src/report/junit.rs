@@ -8,18 +8,28 @@ use crate::diag::xml_text;
 pub fn to_junit(judged: &[SceneVerdict]) -> String {
     let all: Vec<&Case> = judged.iter().flat_map(|one| &one.verdict.cases).collect();
     let totals = suite_totals(&all, judged.iter().map(|one| one.seconds).sum());
-    let suites: String = judged.iter().map(suite_element).collect();
+    let are_many = judged.len() > 1;
+    let suites: String = judged
+        .iter()
+        .map(|one| suite_element(one, are_many))
+        .collect();
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites {totals}>\n{suites}</testsuites>\n"
     )
 }
 
-fn suite_element(one: &SceneVerdict) -> String {
+/// The suite of a scene; of several scenes each is named with its file, since copies of a design have one title.
+fn suite_element(one: &SceneVerdict, are_many: bool) -> String {
+    let title = &one.verdict.title;
+    let name = match are_many {
+        true => format!("{title} ({})", one.source),
+        false => title.clone(),
+    };
     let all: Vec<&Case> = one.verdict.cases.iter().collect();
     let cases: String = all.iter().map(|case| case_element(case)).collect();
     format!(
         "  <testsuite name=\"{}\" {}>\n{cases}  </testsuite>\n",
-        xml_text(&one.verdict.title),
+        xml_text(&name),
         suite_totals(&all, one.seconds),
     )
 }

@@ -77,6 +77,11 @@ fn in_parts(
             plan.unit = unit_size(&opened.sweep, threads(&args.work), UNIT_TIME);
             Folder::create(&place, plan, &borrowed_files(&opened.files))?
         }
+        Err(PartsError::NoStudy(_)) if args.resume => {
+            let message = format!("{} holds no sweep that could be continued", place.display());
+            let hint = "try again if another process has just begun it; otherwise remove it";
+            return Err(Failure::usage(message, vec![hint.to_owned()]));
+        }
         Ok(_) | Err(PartsError::NoStudy(_)) => {
             let message = format!("{} is left from a run that was stopped", place.display());
             let hint = "continue with --resume, or remove it";
@@ -94,7 +99,9 @@ fn in_parts(
         numbers_of(&opened.sweep, items, threads(&args.work), watch)
     };
     let progress = Progress::new(args.work.progress, term.quiet()).counting("designs");
-    if run_share(&folder, &share, &make, progress)? == WorkEnd::Stopped {
+    let ended = run_share(&folder, &share, &make, progress);
+    let ended = ended.map_err(|failure| unless_finished(failure, &place, file))?;
+    if ended == WorkEnd::Stopped {
         let (all, missing) = (folder.plan.units(), folder.missing_units().len() as u64);
         return Err(Failure::Stopped(format!(
             "{} of {all} units are in {}: continue with --resume",
@@ -102,9 +109,24 @@ fn in_parts(
             place.display()
         )));
     }
-    merge_into(&folder, taker)?;
+    merge_into(&folder, taker).map_err(|failure| unless_finished(failure, &place, file))?;
     taker.commit()?;
-    Ok(folder.remove()?)
+    let removed = folder.remove().map_err(Failure::from);
+    // Two that finish together both have their rows, and one of them has removed the parts.
+    match removed {
+        Err(_) if !place.exists() => Ok(()),
+        other => other,
+    }
+}
+
+/// What fails because another process has finished the sweep and removed its parts is told as that.
+fn unless_finished(failure: Failure, place: &Path, file: &Path) -> Failure {
+    if place.exists() || !file.exists() {
+        return failure;
+    }
+    let message = "another process has finished this sweep meanwhile";
+    let hint = format!("all rows are in {}", file.display());
+    Failure::usage(message, vec![hint])
 }
 
 /// Rows that are passed on as they are computed.

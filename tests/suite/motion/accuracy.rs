@@ -339,3 +339,29 @@ fn the_report_in_all_its_forms() {
             .exits(2);
     }
 }
+
+/// A full turn of an angle is no error, also where nothing but unknowns can be compared.
+#[test]
+fn without_bodies_turns_are_no_errors() {
+    let w = crate::program::Workspace::new();
+    w.write(
+        "s.toml",
+        "units = { length = \"mm\" }\nduration = 4\n[inputs]\nphi = \"2*pi*t/4\"\n[chains]\ncrank = \"Rz(phi) Tx(40)\"\n\
+         rod = \"Rz(alpha) Tx(80)\"\nslide = \"Rz(beta) Tx(-h)\"\n[loops]\nA = \"crank rod slide\"\n[guess]\nh = 100\n",
+    );
+    for poses in ["30", "31", "120"] {
+        let run = w
+            .run(&["accuracy", "s.toml", "--poses", poses, "--out", "-"])
+            .exits(0);
+        let table = run.text();
+        let heads: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+        let column = heads.iter().position(|head| *head == "error").unwrap();
+        for line in table.lines().skip(1) {
+            let error = line.split(',').nth(column).unwrap();
+            // The reach is 120 mm, and the coarsest route is off by less than half of that.
+            if let Ok(error) = error.parse::<f64>() {
+                assert!(error < 60.0, "{poses}: {line}");
+            }
+        }
+    }
+}
