@@ -5,6 +5,7 @@ use super::joints::Joint;
 use super::mechanism::{BarEnd, Kind, Mechanism};
 use crate::math::{Pose, sin_cos};
 use glam::DVec3;
+use std::cell::OnceCell;
 use std::collections::BTreeSet;
 
 /// The ends of all bars of a mechanism.
@@ -13,6 +14,8 @@ pub struct BarEnds<'m> {
     mechanism: &'m Mechanism,
     /// Unknowns that are coordinates of ends.
     slots: BTreeSet<usize>,
+    /// Chains to all links that are no coordinates of ends.
+    links: OnceCell<Vec<(usize, Chain)>>,
 }
 
 impl<'m> BarEnds<'m> {
@@ -21,6 +24,7 @@ impl<'m> BarEnds<'m> {
         let mut ends = Self {
             mechanism,
             slots: BTreeSet::new(),
+            links: OnceCell::new(),
         };
         let all = mechanism.bars.iter().flat_map(|bar| &bar.ends);
         let free = all.filter(|end| ends.guide_of(end).is_none());
@@ -76,15 +80,17 @@ impl<'m> BarEnds<'m> {
 
     /// The link that carries an end; `None` if the end is free.
     pub fn link_of(&self, end: &BarEnd) -> Option<usize> {
-        let joints = &self.mechanism.joints;
         let own = moving_steps(&end.carrier);
         if own.is_empty() {
             return Some(0);
         }
-        let chains = (1..joints.links.len()).filter(|link| !self.place_link(*link));
-        let chains: Vec<(usize, Chain)> = chains
-            .map(|link| (link, joints.world_from_link(link)))
-            .collect();
+        let chains = self.links.get_or_init(|| {
+            let joints = &self.mechanism.joints;
+            let links = (1..joints.links.len()).filter(|link| !self.place_link(*link));
+            links
+                .map(|link| (link, joints.world_from_link(link)))
+                .collect()
+        });
         let alike = chains.iter().find(|(_, chain)| moving_steps(chain) == own);
         let resting = || {
             chains

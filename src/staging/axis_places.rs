@@ -143,6 +143,24 @@ mod tests {
                 .iter()
                 .any(|joint| joint.kind == JointKind::Prismatic && joint.grounded)
         );
+        // Beside the end, wherever the chain says so.
+        for end in [
+            "B = \"Ty(-6) Tx(x)\"",
+            "B = \"Tx(x) Ty(-6)\"",
+            "B = \"T(x, -6, 0)\"",
+        ] {
+            let chains = format!("A = \"Rz(phi) Tx(3)\"\n{end}");
+            let slider = mechanism(&chains, "rod = { from = \"A\", to = \"B\", length = 19 }");
+            let placed = crate::staging::joints::placed_joints(&slider);
+            let guide = placed
+                .iter()
+                .find(|joint| joint.kind == JointKind::Prismatic);
+            let at = guide.unwrap().before.fixed_place();
+            assert!(
+                at.distance(DVec3::new(0.0, -6.0, 0.0)) < 1e-12,
+                "{end}: {at}"
+            );
+        }
         let platform = mechanism(
             "A = \"Rz(phi) Tx(3)\"\nP = \"T(x, y, z)\"",
             "a = { from = \"A\", to = \"P Tx(1)\", length = 9 }\nb = { from = [9, 0, 0], to = \"P Rz(120) Tx(1)\", length = 9 }\n\

@@ -6,7 +6,7 @@ use super::floating::floating_joints;
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 use crate::math::Pose;
 use crate::model::bar_ends::BarEnds;
-use crate::model::chain::{ArgumentValue, ChainStep, ElementaryMotion};
+use crate::model::chain::{ArgumentValue, Chain, ChainStep, ElementaryMotion};
 use crate::model::joints::{Joint, JointKind, LinkFrame};
 use crate::model::mechanism::Mechanism;
 use crate::model::walk::walk_chain;
@@ -59,6 +59,13 @@ impl CarriedFrame {
             link,
             steps: Vec::new(),
         }
+    }
+
+    /// The place of a frame that only constant steps lead to, from its link.
+    #[cfg(test)]
+    pub fn fixed_place(&self) -> glam::DVec3 {
+        let steps = self.steps.clone();
+        Chain { steps }.pose(&[]).translation
     }
 
     /// World from the frame.
@@ -129,15 +136,18 @@ fn guided_ends(mechanism: &Mechanism, ends: &BarEnds) -> Vec<PlacedJoint> {
             continue;
         }
         known.push(joint.argument);
-        // What stands behind the step is carried along.
-        let before_it = before.len();
-        let carried = CarriedFrame::of_link(0).then(before);
+        // What stands behind the step is carried along: the line of the end is as far beside it.
+        let behind = Chain {
+            steps: end.carrier.steps[before.len() + 1..].to_vec(),
+        };
+        let beside = ChainStep::Fixed(Pose::from_translation(behind.pose(&[]).translation).into());
+        let carried = CarriedFrame::of_link(0).then(before).then(&[beside]);
         guides.push(PlacedJoint {
             kind: JointKind::Prismatic,
             axis: joint.axis,
             last_axis: joint.axis,
             grounded: true,
-            after: carried.clone().then(&end.carrier.steps[before_it..]),
+            after: carried.clone().then(&[end.carrier.steps[before.len()]]),
             before: carried,
         });
     }

@@ -26,6 +26,9 @@ const MAX_SAMPLES: usize = 64;
 /// Positions nearer together than this fraction of a rod's radius count as one.
 const SAME: f64 = 1e-3;
 
+/// Places that leave a line by less than this share of its length lie on it.
+const FLAT: f64 = 1e-6;
+
 /// A link that is drawn: its number in the table of links, its solids in the link's frame, its colour.
 pub struct DrawnLink {
     /// Index of the link.
@@ -67,20 +70,42 @@ pub fn drawn_links(mechanism: &Mechanism, radius: f64) -> Vec<DrawnLink> {
     numbered.collect()
 }
 
-/// Rods from place to place; three or more make a closed polygon.
+/// Rods from place to place: along a line, or around their middle as a closed polygon.
 pub fn rods_between(places: &[DVec3], radius: f64) -> Vec<Solid> {
+    let (places, is_closed) = in_order(places);
     let count = places.len();
-    let rods = if count > 2 {
-        count
-    } else {
-        count.saturating_sub(1)
-    };
+    let rods = count.saturating_sub(usize::from(!is_closed));
     let rod = |k: usize| Solid::Capsule {
         from: places[k],
         to: places[(k + 1) % count],
         radius,
     };
     (0..rods).map(rod).collect()
+}
+
+/// Places in the order in which rods join them, and whether the last is joined to the first.
+fn in_order(places: &[DVec3]) -> (Vec<DVec3>, bool) {
+    let mut places = places.to_vec();
+    let middle = places.iter().sum::<DVec3>() / places.len().max(1) as f64;
+    let farthest = |from: DVec3| {
+        let others = places.iter().map(|p| *p - from);
+        others
+            .max_by(|a, b| a.length().total_cmp(&b.length()))
+            .unwrap_or_default()
+    };
+    let along = farthest(middle);
+    let normals = places.iter().map(|p| along.cross(*p - middle));
+    let normal = normals
+        .max_by(|a, b| a.length().total_cmp(&b.length()))
+        .unwrap_or_default();
+    if normal.length() <= FLAT * along.length_squared() {
+        places.sort_by(|a, b| a.dot(along).total_cmp(&b.dot(along)));
+        return (places, false);
+    }
+    let (first, second) = (along.normalize(), normal.cross(along).normalize());
+    let angle = |p: &DVec3| libm::atan2((*p - middle).dot(second), (*p - middle).dot(first));
+    places.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+    (places, true)
 }
 
 /// The colour of a link or bar by its number.

@@ -1,4 +1,5 @@
-//! The one length in a product that must be a length: in `Tx(R*phi)` with a known angle `phi` it can only be `R`.
+//! The one length in a product that must be a length: in `Tx(R*phi)` with a known angle `phi` it can only be `R`. In `Tx(20*i*phi)`
+//! it is the number.
 
 use super::kinds::{DimensionOfName, dimension_of, visit_terms};
 use super::node::{FormulaNode, NodeKind};
@@ -33,7 +34,7 @@ pub fn lengths_in_products(
 struct Product<'n> {
     /// Names above the fraction bar of which nothing is known.
     unknown: Vec<&'n FormulaNode>,
-    /// Nothing unknown stands elsewhere.
+    /// Nothing unknown stands elsewhere, and no number above the fraction bar that may be the length.
     is_clear: bool,
     /// The dimension of all other factors.
     others: PhysicalDimension,
@@ -51,6 +52,7 @@ impl<'n> Product<'n> {
                 self.take(a, is_above, of_name);
                 self.take(b, !is_above, of_name);
             }
+            NodeKind::Number(_) => self.is_clear &= !is_above,
             NodeKind::Name(name) if of_name(name).is_none() => match is_above {
                 true => self.unknown.push(node),
                 false => self.is_clear = false,

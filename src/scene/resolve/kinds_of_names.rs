@@ -2,7 +2,7 @@
 
 use super::super::formula::expansion::Factor;
 use super::super::formula::kinds::infer_kind;
-use super::super::formula::node::FormulaNode;
+use super::super::formula::node::{FormulaNode, NodeKind};
 use super::super::formula::products::lengths_in_products;
 use super::names::Names;
 use super::parsed::{Parsed, ParsedInput};
@@ -95,8 +95,15 @@ impl Names {
                 found.push((name.to_owned(), span.clone()));
             });
         }
-        // What also stands in angles is a number.
-        found.retain(|(name, _)| !self.stands_in[1].contains(name));
+        // What also stands in angles is a number, and so may be what is computed: a quotient of lengths.
+        found.retain(|(name, _)| {
+            let mut definitions = parsed
+                .parameters
+                .iter()
+                .filter(|(own, _)| own.value == *name);
+            let is_plain = definitions.all(|(_, node)| is_plain_number(node));
+            is_plain && !self.stands_in[1].contains(name)
+        });
         for (name, span) in found {
             self.kinds.entry(name).or_insert((Kind::Length, span));
         }
@@ -180,6 +187,15 @@ impl Names {
         for coordinate in self.inputs.iter_mut().chain(&mut self.unknowns) {
             coordinate.kind = kind(&coordinate.name).unwrap_or(Kind::Number);
         }
+    }
+}
+
+/// Whether a definition is a number alone.
+fn is_plain_number(node: &FormulaNode) -> bool {
+    match &node.kind {
+        NodeKind::Number(_) => true,
+        NodeKind::Negate(inner) => is_plain_number(inner),
+        _ => false,
     }
 }
 

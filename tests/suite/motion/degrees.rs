@@ -829,7 +829,7 @@ fn a_radius_beside_an_angle_is_a_length() {
              [[traces]]\nname = \"T\"\nbody = \"rack\"\n"
         )
     };
-    for (radius, length) in [("20", 20.0), ("\"2*10\"", 20.0)] {
+    for (radius, length) in [("20", 20.0), ("2.5", 2.5)] {
         let scene = mechanim::Scene::parse("rack", &scene(radius, "")).unwrap();
         let motion = scene.solve(mechanim::Samples::At(vec![1.0])).unwrap();
         let arc = length * std::f64::consts::FRAC_PI_2;
@@ -842,5 +842,41 @@ fn a_radius_beside_an_angle_is_a_length() {
         }
         let units = scene.quantities();
         assert_eq!(units.iter().find(|q| q.name == "arc").unwrap().unit, "mm");
+    }
+}
+
+/// Beside a number that may be the length, and where it is computed, a name may be a ratio: nothing is taken for a length.
+#[test]
+fn ratios_beside_lengths_stay_numbers() {
+    let head = "units = { length = \"mm\", angle = \"deg\" }\nduration = 1\n";
+    let body = |frame: &str| format!("[[bodies]]\nname = \"b\"\nframe = \"{frame}\"\n");
+    let driven = "[inputs]\nphi = \"90*t\"\n";
+    let equation = format!(
+        "{head}[parameters]\ni = 0.5\n{driven}[equations]\ne = \"psi - i*(phi - 30) - 10\"\n{}",
+        body("Rz(phi) Tx(20*i*phi) Rz(psi)")
+    );
+    let quotient = format!(
+        "{head}[parameters]\nL = 10\nR = 5\ni = \"L/R\"\n{driven}[outputs]\no = \"i*phi\"\ns = \"i*phi + 10\"\n{}",
+        body("Rz(phi) Tx(L) Ty(R) Tx(20*i*phi)")
+    );
+    let bare = format!(
+        "{head}[parameters]\ni = \"20/40\"\n{driven}[outputs]\no = \"i*phi\"\n{}",
+        body("Rz(phi) Tx(i*phi)")
+    );
+    let cases: [(&str, &[(&str, f64)]); 3] = [
+        (&equation, &[("psi", 17.5)]),
+        (&quotient, &[("o", 90.0), ("s", 100.0)]),
+        (&bare, &[("o", 22.5)]),
+    ];
+    for (text, values) in cases {
+        let scene = mechanim::Scene::parse("ratio", text).unwrap();
+        let motion = scene.solve(mechanim::Samples::At(vec![0.5])).unwrap();
+        for (name, expected) in values {
+            let value = motion.values(name).unwrap()[0];
+            assert!(
+                (value - expected).abs() < 1e-9,
+                "{name}: {value} {expected}"
+            );
+        }
     }
 }

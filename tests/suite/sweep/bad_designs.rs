@@ -90,6 +90,10 @@ fn folders_that_are_something_else_are_refused() {
     let sweep = "sweep four-bar --design grid:crank=30..35:3 --outputs K.x";
     std::fs::create_dir(space.path("rows.csv.parts")).unwrap();
     let line = format!("{sweep} --out rows.csv --resume");
+    run(&space, &line)
+        .exits(2)
+        .says(&["no sweep that could be continued"]);
+    let line = format!("{sweep} --out rows.csv");
     run(&space, &line).exits(2).says(&["left from a run"]);
     run(&space, "study run rows.csv.parts")
         .exits(2)
