@@ -75,9 +75,7 @@ mod tests {
         );
         let name = "bars".to_owned();
         let scene = load_scene(&Source { name, text }, &Overrides::default());
-        scene
-            .unwrap_or_else(|e| panic!("{:?}", e.diagnostics))
-            .mechanism
+        scene.unwrap().mechanism
     }
 
     /// Hinges of levers in space stand beside the ends of the bars, however the chain is written.
