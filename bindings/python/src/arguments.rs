@@ -35,8 +35,9 @@ pub fn entries<'py>(values: &Bound<'py, PyMapping>) -> PyResult<Vec<(String, Bou
 
 /// A row of numbers: the argument called `name`. A single number is a row of one.
 pub fn numbers(py: Python<'_>, name: &str, values: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    // What is a row of numbers already takes no call of Python.
-    if let Ok(array) = values.extract::<PyReadonlyArray1<'_, f64>>()
+    // What is a row of numbers already takes no call of Python; a masked array is more than one.
+    if values.is_exact_instance_of::<PyUntypedArray>()
+        && let Ok(array) = values.extract::<PyReadonlyArray1<'_, f64>>()
         && let Ok(slice) = array.as_slice()
     {
         return Ok(slice.to_vec());

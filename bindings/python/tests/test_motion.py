@@ -71,7 +71,8 @@ def test_rows_of_inputs_are_as_many_as_given():
         motion = scene.solve(inputs={"phi": np.arange(25.0)}, times=times)
         assert motion["phi"].tolist() == np.arange(25.0).tolist()
     assert scene.solve(inputs={"phi": 0.5}, times=[0, 1, 2])["phi"].tolist() == [0.5] * 3
-    for wrong in (np.zeros((2, 2)), np.array(["0.1"]), np.array([1j])):
+    masked = np.ma.masked_array([1.0, 2.0], mask=[False, True])
+    for wrong in (np.zeros((2, 2)), np.array(["0.1"]), np.array([1j]), masked):
         with pytest.raises((mechanim.ArgumentError, TypeError), match="phi"):
             scene.solve(inputs={"phi": wrong})
 

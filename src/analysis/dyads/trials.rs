@@ -70,7 +70,7 @@ pub enum NoTrials {
     Coupled,
     /// The velocity of the given point does not determine the others in the pose.
     #[error(
-        "the equations of the velocities are singular in this pose: no trials are compared with it"
+        "in this pose the given velocity does not determine the others: the equations are singular"
     )]
     Singular,
 }

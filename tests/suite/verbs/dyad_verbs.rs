@@ -305,3 +305,57 @@ fn the_tied_set_is_paved_and_drawn() {
     let run = space.run(&tied("10..170")).exits(1);
     assert!(run.text().contains("the pose itself is not in the set"));
 }
+
+/// A point that only a part of the linkage moves determines nothing of the rest: no quantiles of rounding noise.
+#[test]
+fn trials_of_singular_equations_are_refused() {
+    let space = Workspace::new();
+    space.write("six.toml", SIX_BAR);
+    for at in ["0", "1"] {
+        let trials = ["intervals", "six.toml", "--derive", "trials", "--at", at];
+        space
+            .run(&trials)
+            .exits(1)
+            .prints_nothing()
+            .says(&["the equations are singular"]);
+        space.run(&["dyads", "six.toml", "--at", at]).exits(1);
+    }
+}
+
+/// The four-bar with the traced point moves on its own; the other two bars hang on it.
+const SIX_BAR: &str = r#"title = "Watt-ish six-bar"
+units = { length = "cm", angle = "deg" }
+duration = 2
+[parameters]
+a = 3
+b = 8
+c = 7
+g = 9
+p = 4
+q = 3
+l2 = 6
+l3 = 5
+[inputs]
+phi = "40 + 30*t"
+[chains]
+cr = "Rz(phi) Tx(a)"
+co = "cr Rz(al)"
+ro = "Tx(g) Rz(psi)"
+tr = "ro T(p, q, 0) Rz(u) Tx(l2)"
+[loops]
+A = "co Tx(b) Rz(m) inv(ro Tx(c))"
+B = "tr Rz(v) inv(T(14,3,0) Rz(w) Tx(l3))"
+[guess]
+al = 10
+psi = 100
+m = 30
+u = -30
+w = 60
+[[bodies]]
+name = "co"
+frame = "co"
+[[traces]]
+name = "K"
+body = "co"
+point = [4, 3, 0]
+"#;
