@@ -48,6 +48,7 @@ pub fn enclosure_word(enclosed: &Enclosed) -> &'static str {
     match &enclosed.bands {
         Ok(_) => "enclosed",
         Err(BandObstacle::NoPose) => "no-pose",
+        Err(BandObstacle::BehindSingularPose { .. }) => "behind-singular-pose",
         Err(BandObstacle::Interrupted) => "interrupted",
         Err(BandObstacle::Test { reason, .. }) => reason.word(),
     }
@@ -60,6 +61,11 @@ pub fn refusal_text(plan: &TolerancePlan, enclosed: &Enclosed) -> Option<String>
         Err(BandObstacle::NoPose) => Some(format!(
             "t = {} s: no pose was found",
             shortest_decimal(enclosed.time)
+        )),
+        Err(BandObstacle::BehindSingularPose { time }) => Some(format!(
+            "t = {} s: the motion has passed a singular pose near t = {} s, from which pieces may go on in another assembly",
+            shortest_decimal(enclosed.time),
+            six_digits(*time)
         )),
         Err(BandObstacle::Interrupted) => Some(format!(
             "t = {} s: interrupted",

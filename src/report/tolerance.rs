@@ -82,6 +82,13 @@ impl ToleranceReport<'_> {
             pieces.failed,
             self.study.nominal.poses.poses.len(),
         );
+        if let Some(passage) = self.study.nominal.drawn.singular {
+            let (track, pose) = family.place_of(passage.behind);
+            text.push_str(&format!(
+                "  the motion passes a singular pose before pose {pose} of {track}: every piece follows its own motion;\n  \
+                 RSS, linear sum and linear hold for pieces that pass it as the file's dimensions do\n\n"
+            ));
+        }
         text.push_str(&aligned_rows(&rows));
         text.push_str(LEGEND);
         let limited = |m: &Measure| m.min.is_some() || m.max.is_some();
@@ -168,6 +175,7 @@ impl ToleranceReport<'_> {
             "dimensions": variables.map(|v| v.name.as_str()).collect::<Vec<_>>(),
             "samples": pieces.made,
             "poses": self.study.nominal.poses.poses.len(),
+            "passes_singular_pose": self.study.nominal.drawn.singular.is_some(),
             "first": self.first,
             "seed": self.study.batch().seed,
             "failed": pieces.failed,

@@ -25,14 +25,14 @@ pub fn enclose_between(plan: &TolerancePlan, times: &[f64], threads: usize) -> V
     let all = knot_times(family.mechanism(), &family.actuation, times);
     let ends = spans_of(plan, &all);
     let middles: Vec<f64> = ends.iter().map(|[a, b]| 0.5 * a + 0.5 * b).collect();
-    let samples = samples_at(plan, &middles);
+    let nominal = samples_at(plan, &middles);
     let encloser = Encloser::new(family.system());
     let work = |space: &mut EnclosureSpace, index: usize| {
         let [from, until] = ends[index];
         // Bands of an interval are proved around the pose in its middle.
-        let bands = match NominalPose::of(&samples[index]) {
-            None => Err(BandObstacle::NoPose),
-            Some(pose) => {
+        let bands = match nominal.on_first_branch(index) {
+            Err(obstacle) => Err(obstacle),
+            Ok(pose) => {
                 let place = PoseBetween {
                     plan,
                     encloser: &encloser,

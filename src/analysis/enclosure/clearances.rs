@@ -150,7 +150,8 @@ fn first_stretches(
         );
     }
     let middles: Vec<f64> = ends.iter().map(|[a, b]| 0.5 * a + 0.5 * b).collect();
-    let samples = samples_at(plan, &middles);
+    // An interval with a singular pose is refused itself, so that no bound of the whole motion rests on those behind it.
+    let samples = samples_at(plan, &middles).samples;
     let mut list = Vec::new();
     for (ends, sample) in ends.into_iter().zip(samples) {
         match NominalPose::of(&sample) {
@@ -201,7 +202,7 @@ fn refuse(
 ) {
     pair.bound = f64::NEG_INFINITY;
     let (missing, dimension) = match obstacle {
-        BandObstacle::NoPose => (Missing::Pose, None),
+        BandObstacle::NoPose | BandObstacle::BehindSingularPose { .. } => (Missing::Pose, None),
         BandObstacle::Interrupted => (Missing::Time, None),
         BandObstacle::Test { reason, dimension } => (Missing::Proof(reason), dimension),
     };

@@ -38,6 +38,10 @@ pub fn enclose_measures(
 ) -> Result<Vec<MeasureBand>, (usize, BandObstacle)> {
     let encloser = Encloser::new(plan.family.system());
     let room = FormRoom::new(plan.room_for(plan.dimensions.len()));
+    if let Some(passage) = nominal.singular {
+        let time = passage.time;
+        return Err((passage.behind, BandObstacle::BehindSingularPose { time }));
+    }
     let mut search = MeasureSearch {
         plan,
         encloser: &encloser,

@@ -50,18 +50,13 @@ pub fn enclose_motion(
     search: bool,
 ) -> Vec<Enclosed> {
     let family = plan.family;
-    let samples = samples_at(plan, times);
+    let nominal = samples_at(plan, times);
     let encloser = Encloser::new(family.system());
     // Each sample on its own: the bands at a pose do not depend on other samples.
     let work = |finder: &mut PieceFinder, index: usize| {
-        let sample = &samples[index];
-        let bands = match &sample.pose {
-            None => Err(BandObstacle::NoPose),
-            Some(pose) => {
-                let pose = [pose.unknowns.as_slice(), &sample.inputs].concat();
-                finder.bands(&pose)
-            }
-        };
+        let sample = &nominal.samples[index];
+        let pose = nominal.on_first_branch(index);
+        let bands = pose.and_then(|pose| finder.bands(&pose.coordinates));
         let bands = bands.map(|bands| {
             if search {
                 bands
@@ -76,19 +71,41 @@ pub fn enclose_motion(
         })
     };
     let make = || PieceFinder::new(plan, &encloser);
-    let list = share_work(samples.len(), threads, make, work);
+    let list = share_work(nominal.samples.len(), threads, make, work);
     list.into_iter().map(|(_, enclosed)| enclosed).collect()
+}
+
+/// The motion with the file's dimensions at some times.
+pub(super) struct NominalSamples {
+    pub samples: Vec<Sample>,
+    /// When it comes to a singular pose.
+    singular: Option<f64>,
+}
+
+impl NominalSamples {
+    /// The pose of a sample, if pieces are in its assembly.
+    ///
+    /// # Errors
+    /// There is no pose, or a singular one comes before it.
+    pub fn on_first_branch(&self, index: usize) -> Result<NominalPose, BandObstacle> {
+        let sample = &self.samples[index];
+        match self.singular.filter(|time| *time < sample.time) {
+            Some(time) => Err(BandObstacle::BehindSingularPose { time }),
+            None => NominalPose::of(sample).ok_or(BandObstacle::NoPose),
+        }
+    }
 }
 
 /// The samples at `times`, followed from the start of the drive, so that they are on its branch. After a cancellation
 /// they have no pose.
-pub(super) fn samples_at(plan: &TolerancePlan, times: &[f64]) -> Vec<Sample> {
+pub(super) fn samples_at(plan: &TolerancePlan, times: &[f64]) -> NominalSamples {
     // The motion is followed from the start of the drive, which may not be among the samples.
     let begins = times.first().is_none_or(|t| *t == 0.0);
     let lead: &[f64] = if begins { &[] } else { &[0.0] };
     let all = [lead, times].concat();
     let (system, actuation) = (plan.family.system(), &plan.family.actuation);
     let motion = solve_until(system, actuation, &all, None, &|| plan.is_cancelled());
+    let singular = motion.first_singular();
     let mut samples = motion.of_one_motion();
     // Behind the end of the motion there are no poses.
     let missing = all.iter().skip(samples.len()).map(|time| Sample {
@@ -97,7 +114,8 @@ pub(super) fn samples_at(plan: &TolerancePlan, times: &[f64]) -> Vec<Sample> {
         pose: None,
     });
     samples.extend(missing.collect::<Vec<_>>());
-    samples.split_off(lead.len())
+    let samples = samples.split_off(lead.len());
+    NominalSamples { samples, singular }
 }
 
 /// A nominal pose from which the motion is followed to others nearby.

@@ -53,6 +53,12 @@ impl Bands {
 pub enum BandObstacle {
     /// There is no pose with the file's dimensions.
     NoPose,
+    /// The motion with the file's dimensions has passed a singular pose near `time`: pieces may have gone on from there in another
+    /// assembly.
+    BehindSingularPose {
+        /// Seconds; along a track, steps.
+        time: f64,
+    },
     /// The caller did not want to wait.
     Interrupted,
     /// The box is not proved.

@@ -25,13 +25,13 @@ impl<'t> PoseAnchors<'t> {
     /// The poses and their sensitivities.
     pub fn new(evaluator: &Evaluator<'t>, track_poses: &'t TrackPoses) -> Self {
         let system = evaluator.family().system();
-        let is_settled = track_poses.sensitivities().is_some();
+        let is_followed = track_poses.sensitivities().is_some() && !track_poses.passes_singular();
         let anchors = track_poses
             .poses
             .iter()
             .map(|pose| AnchorPose::new(system, pose));
         Self {
-            anchors: anchors.collect::<Option<_>>().filter(|_| is_settled),
+            anchors: anchors.collect::<Option<_>>().filter(|_| is_followed),
             measures: LaneMeasures::new(evaluator.family()),
             track_poses,
         }

@@ -3,7 +3,7 @@
 use super::family_error::FamilyError;
 use super::reshaped::{self, Reading};
 use crate::diag::Source;
-use crate::kinematics::measures::{driven_along, poses_of};
+use crate::kinematics::measures::{driven_along, motion_along};
 use crate::kinematics::motion::continuation::{solve_motion, solve_whole};
 use crate::kinematics::motion::sampling::{end_apart, measured_times};
 use crate::kinematics::results::certificate::Certificate;
@@ -52,6 +52,17 @@ pub struct Nominal {
     pub error_bound: f64,
     /// Poses without a certificate.
     pub unproved: usize,
+    /// Where it first comes to a singular pose.
+    pub singular: Option<SingularPassage>,
+}
+
+/// A singular pose on the way of the poses with the file's values. A piece near them may go on from there in another assembly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SingularPassage {
+    /// Seconds; along a track, steps.
+    pub time: f64,
+    /// The first pose behind it, of all.
+    pub behind: usize,
 }
 
 impl Nominal {
@@ -260,14 +271,22 @@ impl ParametricMechanism {
     pub fn nominal(&self) -> Result<Nominal, FamilyError> {
         let mut nominal = Nominal::default();
         for row in 0..self.counts.len() {
-            let samples = match self.measures.tracks.get(row) {
-                Some(track) => poses_of(&self.system, &self.actuation, track),
+            // The way to a track does not belong to it.
+            let (motion, skipped) = match self.measures.tracks.get(row) {
+                Some(track) => (motion_along(&self.system, &self.actuation, track), 1),
                 None => {
                     let times = self.drive_times();
-                    solve_motion(&self.system, &self.actuation, &times).of_one_motion()
+                    (solve_motion(&self.system, &self.actuation, &times), 0)
                 }
             };
-            self.add_samples(row, &samples, &mut nominal)?;
+            let singular = motion.first_singular();
+            let samples = &motion.of_one_motion()[skipped..];
+            if let (None, Some(time)) = (nominal.singular, singular) {
+                let before = samples.iter().take_while(|s| s.time <= time).count();
+                let behind = nominal.poses.len() + before;
+                nominal.singular = Some(SingularPassage { time, behind });
+            }
+            self.add_samples(row, samples, &mut nominal)?;
         }
         Ok(nominal)
     }
@@ -386,7 +405,7 @@ impl ParametricMechanism {
     }
 
     /// Name of the track of pose `index` of all, and its number there from 1.
-    pub(super) fn place_of(&self, index: usize) -> (String, usize) {
+    pub fn place_of(&self, index: usize) -> (String, usize) {
         let mut rest = index;
         for (row, count) in self.counts.iter().enumerate() {
             if rest < *count {

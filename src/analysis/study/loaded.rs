@@ -106,6 +106,7 @@ impl LoadedStudy {
         let mut evaluator = Evaluator::new(&self.family);
         let drawn = self.family.nominal()?;
         let poses = evaluator.nominal(drawn.poses.clone());
+        let poses = poses.passing_singular(drawn.singular.is_some());
         let gradients = evaluator
             .gradients(&poses)
             .map_err(|rejection| evaluator.refused_start(&poses, &rejection))?;

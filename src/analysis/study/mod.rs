@@ -22,7 +22,7 @@ mod track_poses;
 pub mod whole_limits;
 
 pub use abreast::{AT_A_TIME, LaneEvaluator, PoseAnchors};
-pub use family::{DRIVE_SAMPLES, Nominal, ParametricMechanism};
+pub use family::{DRIVE_SAMPLES, Nominal, ParametricMechanism, SingularPassage};
 pub use family_error::FamilyError;
 pub use gradient::Gradients;
 pub use lane_measures::LaneMeasures;

@@ -35,6 +35,9 @@ pub struct TrackPoses {
     signs: Vec<Vec<i8>>,
     /// Smallest singular value of every pose with the file's values.
     sigmas: Vec<f64>,
+    /// Whether pieces are followed along their own motions only: these poses pass a singular one, from which a piece may go on in
+    /// another assembly.
+    passes_singular: bool,
 }
 
 impl TrackPoses {
@@ -52,7 +55,21 @@ impl TrackPoses {
             sensitivities: Vec::new(),
             signs: self.signs.clone(),
             sigmas: self.sigmas.clone(),
+            passes_singular: self.passes_singular,
         }
+    }
+
+    /// The same, which pass a singular pose or do not.
+    pub(super) fn passing_singular(self, passes_singular: bool) -> Self {
+        Self {
+            passes_singular,
+            ..self
+        }
+    }
+
+    /// Whether these poses pass a singular one, so that pieces are followed along their own motions.
+    pub fn passes_singular(&self) -> bool {
+        self.passes_singular
     }
 
     /// Whether the poses are those of another way to the same values, except for rounding and full turns.
@@ -152,6 +169,7 @@ impl<'f> Evaluator<'f> {
             signs,
             sigmas,
             poses,
+            passes_singular: false,
         })
     }
 
@@ -210,6 +228,9 @@ impl<'f> Evaluator<'f> {
         track_poses: &TrackPoses,
         values: &[f64],
     ) -> Result<TrackPoses, Rejection> {
+        if track_poses.passes_singular {
+            return self.moved_alone(track_poses, values);
+        }
         let rejection = match self.approach(track_poses, values) {
             Ok(reached) => return Ok(reached),
             Err(rejection) => rejection,
@@ -222,17 +243,40 @@ impl<'f> Evaluator<'f> {
         let Some((index, near)) = near else {
             return Err(rejection);
         };
-        let own = self.family.with_start(values).assembled();
-        let poses = own.and_then(|family| family.whole_motion());
-        let poses = poses
-            .filter(|_| !self.is_cancelled())
-            .ok_or(rejection.clone())?;
+        let poses = self.own_motion(values).ok_or(rejection.clone())?;
         let is_that = is_one_pose(self.family.mechanism(), &poses[index], &near);
         let mut pairs = poses.iter().zip(&track_poses.signs);
         match is_that && pairs.all(|(pose, signs)| self.side(pose).0 == *signs) {
             true => Ok(track_poses.approached(values.to_vec(), poses)),
             false => Err(rejection),
         }
+    }
+
+    /// The poses of a piece along its own motion, from a start on the side of the known one.
+    fn moved_alone(
+        &mut self,
+        track_poses: &TrackPoses,
+        values: &[f64],
+    ) -> Result<TrackPoses, Rejection> {
+        let poses = self.own_motion(values);
+        let starts_there = |poses: &Vec<Vec<f64>>| {
+            let first = poses.first().map(|pose| self.side(pose).0);
+            first.as_ref() == track_poses.signs.first()
+        };
+        match poses.filter(starts_there) {
+            Some(poses) => Ok(track_poses.approached(values.to_vec(), poses)),
+            None => {
+                let (track, pose) = self.family.place_of(0);
+                Err(Rejection::NotReached { track, pose })
+            }
+        }
+    }
+
+    /// All poses along the motion of a piece; `None` if it has none as a whole.
+    fn own_motion(&self, values: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let own = self.family.with_start(values).assembled();
+        let poses = own.and_then(|family| family.whole_motion());
+        poses.filter(|_| !self.is_cancelled())
     }
 
     fn go(

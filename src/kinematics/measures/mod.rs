@@ -203,14 +203,14 @@ pub fn values_along(
     Some(observed_slots(mechanism, &all))
 }
 
-/// The poses of a track. The motion goes there from the start of the drive, so that it stays on the branch; samples
-/// that are not reached have no pose.
+/// The poses of a track; samples that are not reached have none.
 pub fn poses_of(system: &System, actuation: &Actuation, track: &MeasuredTrack) -> Vec<Sample> {
     poses_along(motion_along(system, actuation, track))
 }
 
-/// The motion to the start of a track and along it.
-fn motion_along(system: &System, actuation: &Actuation, track: &MeasuredTrack) -> Trajectory {
+/// The motion from the start of the drive to the start of a track and along it, so that it stays on the branch. Its first sample
+/// does not belong to the track.
+pub fn motion_along(system: &System, actuation: &Actuation, track: &MeasuredTrack) -> Trajectory {
     let (moved, times) = driven_along(actuation, track);
     solve_motion(system, &moved, &times)
 }

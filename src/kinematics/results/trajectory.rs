@@ -363,6 +363,19 @@ impl Trajectory {
         self.samples
     }
 
+    /// When the motion first comes to a singular pose from which it goes on without proof: mechanisms with nearly the same
+    /// dimensions may go on in another assembly.
+    pub fn first_singular(&self) -> Option<f64> {
+        let mut events = self.events.iter();
+        let met = |kind: &EventKind| {
+            matches!(
+                kind,
+                EventKind::SingularPosePassed | EventKind::SingularPoseMet
+            )
+        };
+        events.find(|e| met(&e.kind)).map(|e| e.time)
+    }
+
     /// All poses there are.
     pub fn poses(&self) -> impl Iterator<Item = &ClosedPose> {
         self.samples.iter().filter_map(|s| s.pose.as_ref())

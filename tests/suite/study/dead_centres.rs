@@ -71,3 +71,72 @@ fn pieces_that_move_are_counted_whatever_the_nominal_one_is_next_to() {
         assert_eq!(moved + failed, 800);
     }
 }
+
+/// A parallelogram, which is folded flat at half time; its last angle turns through zero there.
+const PARALLELOGRAM: &str = r#"units = { length = "mm", angle = "deg" }
+duration = 1
+[parameters]
+a = 30
+b = 80
+c = 30
+d = 80
+[inputs]
+phi = "20 + 320*t"
+[loops]
+A = "Rz(phi) Tx(a) Rz(alpha) Tx(b) Rz(beta) Tx(c) Rz(gamma) Tx(-d)"
+[guess]
+alpha = -20
+beta = 200
+gamma = 160
+[measures.low]
+of = "gamma"
+take = "min"
+"#;
+
+#[test]
+fn pieces_go_on_from_a_change_point_as_they_move() {
+    let w = Workspace::new();
+    w.write("s.toml", PARALLELOGRAM);
+    let arguments = [
+        "tolerance",
+        "s.toml",
+        "--vary",
+        "a,b,c,d",
+        "--tolerance",
+        "0.01",
+    ];
+    let more = ["--pieces", "400", "--json", "-", "--csv", "p.csv"];
+    let run = w.run(&[&arguments[..], &more].concat()).exits(0);
+    let report: Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert_eq!(report["passes_singular_pose"], true);
+    assert!(report["measures"]["low"]["never_beyond"].is_null());
+    // The crank turns fully if crank and ground together are shorter than the other two: half of all pieces.
+    let failed = report["failed"].as_u64().unwrap();
+    assert!((160..=240).contains(&failed), "{failed}");
+    // A piece that turns is never flat: its last angle keeps its sign.
+    let table = String::from_utf8(w.read("p.csv")).unwrap();
+    let values = table
+        .lines()
+        .skip(1)
+        .filter_map(|line| line.split(',').nth(1)?.parse::<f64>().ok());
+    let values: Vec<f64> = values.collect();
+    assert_eq!(values.len() as u64 + failed, 400);
+    assert!(values.iter().all(|low| (0.0..20.0).contains(low)), "{values:?}");
+}
+
+#[test]
+fn bands_end_at_a_change_point() {
+    let w = Workspace::new();
+    w.write("s.toml", PARALLELOGRAM);
+    let arguments = "enclose s.toml --vary a,b,c,d --tolerance 0.0001 --samples 20 --out b.csv";
+    for between in [&[][..], &["--between"]] {
+        let words: Vec<&str> = arguments.split(' ').chain(between.iter().copied()).collect();
+        w.run(&words).exits(1);
+        let table = String::from_utf8(w.read("b.csv")).unwrap();
+        let words = table.lines().skip(1).map(|line| line.rsplit(',').next());
+        let words: Vec<&str> = words.flatten().collect();
+        assert!(words[..10].iter().all(|word| *word == "enclosed"), "{words:?}");
+        let behind = |word: &&str| *word == "behind-singular-pose";
+        assert!(words[10..].iter().all(behind), "{words:?}");
+    }
+}
