@@ -30,15 +30,18 @@ pub fn found_extremes(
                     break;
                 };
                 let track_poses = evaluator.settled(track_poses);
-                let Ok(there) = evaluator.gradients(&track_poses) else {
+                let Ok(there) = evaluator.gradients_with_gaps(&track_poses) else {
                     break;
                 };
-                // A corner may be extreme for other measures as well.
+                // A corner may be extreme for other measures as well; what has no value there changes nothing.
                 for (known, value) in found.iter_mut().zip(&there.measures) {
                     *known = [known[0].min(*value), known[1].max(*value)];
                 }
                 row.clone_from(&there.rows[index]);
                 last = corner;
+                if !row.iter().all(|slope| slope.is_finite()) {
+                    break;
+                }
             }
         }
     }

@@ -62,6 +62,11 @@ pub fn motion_chart(
 /// Default plots of a scene that defines none: its outputs, else its traced points, else its unknowns; against its only
 /// moving input if that is monotonic, else against time.
 pub fn default_plot(mechanism: &Mechanism, actuation: &Actuation) -> Plot {
+    plot_of_outputs(mechanism, actuation, &vec![true; mechanism.outputs.len()])
+}
+
+/// The same with some of the outputs.
+pub fn plot_of_outputs(mechanism: &Mechanism, actuation: &Actuation, chosen: &[bool]) -> Plot {
     let slot = |slot: usize, label: &str, kind: Kind| PlotCurve {
         label: label.to_owned(),
         unit: mechanism.unit_name(kind).to_owned(),
@@ -75,7 +80,16 @@ pub fn default_plot(mechanism: &Mechanism, actuation: &Actuation) -> Plot {
     let after_traces = n + 3 * mechanism.traces.len();
     let outputs = mechanism.outputs.iter().enumerate();
     let mut y: Vec<PlotCurve> = outputs
-        .map(|(k, o)| slot(after_traces + k, &o.name, o.kind))
+        .filter(|(k, _)| chosen[*k])
+        .map(|(k, o)| {
+            let (unit, factor) = mechanism.output_unit(o);
+            let curve = slot(after_traces + k, &o.name, o.kind);
+            PlotCurve {
+                unit,
+                factor,
+                ..curve
+            }
+        })
         .collect();
     if y.is_empty() {
         let points = mechanism

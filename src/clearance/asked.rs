@@ -360,8 +360,7 @@ fn reconcile_reports(
     report: &mut PairReport,
     violations: &mut Violations,
 ) {
-    let seen = violations.list.iter().filter(|v| v.is_seen);
-    let lowest = seen.min_by(|p, q| p.distance.total_cmp(&q.distance));
+    let lowest = (violations.list.iter()).min_by(|p, q| p.distance.total_cmp(&q.distance));
     let lower = lowest.filter(|v| v.distance < report.least.distance);
     let lower = lower.and_then(|v| motion.instants.iter().position(|i| i.time == v.time));
     // A violation may have seen a lower pose than the search for the least distance.
@@ -375,6 +374,13 @@ fn reconcile_reports(
         if report.least.distance < sweep.enough() {
             report.judgement = Judgement::Failed;
         }
+    }
+    // Where no time was left in which the minimum may be missed, it is kept.
+    let is_kept = violations.list.is_empty() && violations.is_certified && motion.gaps.is_empty();
+    if is_kept && report.judgement == Judgement::Undecided {
+        report.least.bound = report.least.bound.max(sweep.enough());
+        report.least.is_certified = true;
+        report.judgement = Judgement::kept(true);
     }
     // And the other way round.
     let Least { distance, time, .. } = report.least;

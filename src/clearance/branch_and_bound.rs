@@ -16,8 +16,8 @@ use crate::distance::bodies::nearest_bodies;
 /// Maximum number of time intervals examined for one pair.
 const MAX_LOOKS: usize = 40_000;
 
-/// So many parts are still bounded by boxes around what the bodies sweep when the time is over, some microseconds each.
-const MOST_AT_END: usize = 10_000;
+/// So many parts that nothing else bounds are bounded by boxes around what the bodies sweep, some microseconds each.
+const MOST_AT_END: usize = 100_000;
 
 /// Where nothing can be proved, only a smaller distance is searched: for bodies that overlap, and for those so large that
 /// the rounding of their poses exceeds their margin above the minimum.
@@ -153,15 +153,8 @@ impl PairSweep<'_> {
             let is_deep_enough = search.looks >= LOOKS_FOR_DEPTH
                 && best.found.proximity.distance < self.enough().min(0.0);
             if is_deep_enough || motion.is_late() {
-                let bodies = [0, 1].map(|k| Sweeper::new(motion, self.bodies[k], self.hulls[k]));
-                search.cut_off(piece, self.enough() + self.pose_slack(), |piece| {
-                    let place = [piece.middle, piece.half];
-                    let [a, b] = bodies.each_ref().map(|body| {
-                        body.over(motion, piece.stretch, place, self.minimum().max(0.0))
-                    });
-                    a.apart(&b)
-                });
-                return;
+                search.cut_off(piece);
+                break;
             }
             // Depth first; the bound of a part is compared with the present goal.
             search.looks += 1;
@@ -198,6 +191,32 @@ impl PairSweep<'_> {
                 None => search.settled.push((piece, look)),
             }
         }
+        if let Goal::Minimum = goal {
+            self.bound_by_boxes(motion, &mut search.settled);
+        }
+    }
+
+    /// Bounds what is settled without a proof of the minimum by boxes around what both bodies sweep: fast motions have no other
+    /// bound, however far apart the bodies are.
+    fn bound_by_boxes(&self, motion: &ProvedMotion, settled: &mut [(Segment, BoundGoal)]) {
+        let enough = self.enough() + self.pose_slack();
+        let open = settled.iter_mut().filter(|(_, look)| look.lowest < enough);
+        let mut bodies = None;
+        for (piece, look) in open.take(MOST_AT_END) {
+            let bodies = bodies.get_or_insert_with(|| {
+                [0, 1].map(|k| Sweeper::new(motion, self.bodies[k], self.hulls[k]))
+            });
+            let place = [piece.middle, piece.half];
+            let apart = self.minimum().max(0.0);
+            let [a, b] = bodies
+                .each_ref()
+                .map(|body| body.over(motion, piece.stretch, place, apart));
+            // Boxes that meet tell nothing: the bodies in them may overlap.
+            let apart = a.apart(&b);
+            if apart > 0.0 {
+                look.lowest = look.lowest.max(apart);
+            }
+        }
     }
 
     /// A lower distance counts once it is that of an exact pose.
@@ -231,13 +250,10 @@ impl PairSweep<'_> {
 }
 
 impl SegmentSearch {
-    /// Ends with the bounds of this part and of all open ones; parts not known to be `enough` have their bound by `boxes`.
-    fn cut_off(&mut self, piece: Segment, enough: f64, boxes: impl Fn(&Segment) -> f64) {
+    /// Ends with the bounds that are known of this part and of all open ones.
+    fn cut_off(&mut self, piece: Segment) {
         let rest = std::iter::once(piece).chain(self.open.drain(..));
-        let unlooked = rest.enumerate().map(|(place, mut piece)| {
-            if piece.known < enough && place < MOST_AT_END {
-                piece.known = piece.known.max(boxes(&piece));
-            }
+        let unlooked = rest.map(|piece| {
             let look = BoundGoal::known_of(&piece);
             (piece, look)
         });

@@ -89,8 +89,13 @@ impl Taking {
         matches!(self, Self::First | Self::Last | Self::Change | Self::Chord)
     }
 
-    /// Whether the end counts even if it is where the motion began.
-    pub const fn reaches_end(self) -> bool {
+    /// Whether it does not matter how often a value is taken.
+    const fn is_extreme(self) -> bool {
+        matches!(self, Self::Min | Self::Max | Self::Range | Self::Largest)
+    }
+
+    /// Whether the end counts even if it is where the motion began, whatever the values are.
+    const fn reaches_end(self) -> bool {
         let is_of_way = matches!(self, Self::Positive | Self::Bow);
         is_of_way || matches!(self, Self::Last | Self::Change | Self::Chord)
     }
@@ -124,6 +129,8 @@ pub enum MeasureSource {
         taking: Taking,
         /// For [`Taking::Norm`].
         power: f64,
+        /// Whether the values contain an angle, which may have turned where a cyclic motion ends as it began.
+        winds: bool,
     },
 }
 
@@ -151,15 +158,23 @@ impl Measures {
     /// Whether some depend on the pose at the end of the drive.
     pub fn look_at_end(&self) -> bool {
         self.list.iter().any(|measure| {
-            let MeasureSource::Over { track, taking, .. } = &measure.source else {
-                return false;
-            };
-            track.is_none() && taking.reaches_end()
+            let source = &measure.source;
+            matches!(source, MeasureSource::Over { track: None, .. }) && source.reaches_end()
         })
     }
 }
 
 impl MeasureSource {
+    /// Whether the end of a drive counts even if it is where the motion began.
+    pub fn reaches_end(&self) -> bool {
+        match self {
+            Self::Formula(_) => false,
+            Self::Over { taking, winds, .. } => {
+                taking.reaches_end() || (*winds && taking.is_extreme())
+            }
+        }
+    }
+
     /// Index of its track.
     pub fn track(&self) -> Option<usize> {
         match self {

@@ -341,6 +341,35 @@ impl Mechanism {
         }
     }
 
+    /// The unit of an output in words, products and powers among them, and the factor to it from internal values.
+    pub fn output_unit(&self, output: &MechanismOutput) -> (String, f64) {
+        let angle = &self.angle_unit;
+        let radians = angle.radians.number();
+        output
+            .dimension
+            .unit_words(&self.length_unit, &angle.name, radians)
+    }
+
+    /// Which outputs have derivatives: formulas of coordinates, points and other such outputs. Those of distances and of formulas
+    /// that contain rates themselves are not computed.
+    pub fn differentiable_outputs(&self) -> Vec<bool> {
+        let first = self.coordinate_count() + 3 * self.traces.len();
+        let mut known: Vec<bool> = Vec::with_capacity(self.outputs.len());
+        for output in &self.outputs {
+            known.push(match &output.source {
+                OutputSource::Formula(formula) => {
+                    let mut earlier = formula
+                        .slots()
+                        .into_iter()
+                        .filter_map(|s| s.checked_sub(first));
+                    earlier.all(|k| known.get(k) == Some(&true))
+                }
+                OutputSource::Distance(_) | OutputSource::Rated(_) => false,
+            });
+        }
+        known
+    }
+
     /// Factor from the file's unit to internal values for a coordinate or output of `kind`.
     pub fn unit_of(&self, kind: Kind) -> Constant {
         match kind {

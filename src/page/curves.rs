@@ -1,7 +1,7 @@
 //! Curves of a page: inline drawings whose playheads know the position of every frame.
 
 use super::markup::{Section, escaped};
-use crate::charts::motion::{default_plot, lone_input, motion_chart};
+use crate::charts::motion::{default_plot, lone_input, motion_chart, plot_of_outputs};
 use crate::kinematics::motion::continuation::solve_with_ends;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
@@ -157,7 +157,8 @@ pub fn transfer_section(curves: &mut Curves) -> Section {
         mechanism.unit_name(driven.kind),
         mechanism.file_units(driven.kind),
     );
-    let mut plot = default_plot(mechanism, actuation);
+    let differentiable = mechanism.differentiable_outputs();
+    let mut plot = plot_of_outputs(mechanism, actuation, &differentiable);
     plot.y.truncate(MOST_TRANSFERS);
     // Each curve becomes its own first derivative, with the unit of a rate.
     for curve in &mut plot.y {

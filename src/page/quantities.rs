@@ -3,7 +3,7 @@
 use super::markup::{Cell, Table};
 use crate::diag::decimals_of;
 use crate::kinematics::results::trajectory::Trajectory;
-use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::mechanism::Mechanism;
 use crate::report::sentences::beside_unit;
 
 /// Quantities whose values follow the slider.
@@ -55,19 +55,25 @@ impl ShownQuantity {
 
 /// The quantities that are shown: inputs, outputs, then unknowns.
 pub(super) fn shown_quantities(mechanism: &Mechanism) -> Vec<ShownQuantity> {
-    let one = |(name, kind, place): (&String, Kind, QuantityPlace)| ShownQuantity {
+    let of_kind = |kind| {
+        (
+            mechanism.unit_name(kind).to_owned(),
+            mechanism.file_units(kind),
+        )
+    };
+    let one = |(name, (unit, factor), place): (&String, _, QuantityPlace)| ShownQuantity {
         name: name.clone(),
-        unit: mechanism.unit_name(kind).to_owned(),
-        factor: mechanism.file_units(kind),
+        unit,
+        factor,
         place,
     };
     let inputs = mechanism.inputs.iter().enumerate();
     let outputs = mechanism.outputs.iter().enumerate();
     let unknowns = mechanism.unknowns.iter().enumerate();
     inputs
-        .map(|(k, c)| (&c.name, c.kind, QuantityPlace::Input(k)))
-        .chain(outputs.map(|(k, o)| (&o.name, o.kind, QuantityPlace::Output(k))))
-        .chain(unknowns.map(|(k, c)| (&c.name, c.kind, QuantityPlace::Unknown(k))))
+        .map(|(k, c)| (&c.name, of_kind(c.kind), QuantityPlace::Input(k)))
+        .chain(outputs.map(|(k, o)| (&o.name, mechanism.output_unit(o), QuantityPlace::Output(k))))
+        .chain(unknowns.map(|(k, c)| (&c.name, of_kind(c.kind), QuantityPlace::Unknown(k))))
         .map(one)
         .take(MOST_VALUES)
         .collect()

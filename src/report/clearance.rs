@@ -236,6 +236,12 @@ pub(super) fn left_out_shapes(mechanism: &Mechanism, p: &PairReport) -> Vec<[Str
     p.left_out.iter().map(name).collect()
 }
 
+/// Bounds below this are shown in three digits instead of six decimals.
+const SMALL: f64 = 1e-3;
+
+/// Distances below this share of the mechanism's size are contacts.
+pub(super) const CONTACT: f64 = 1e-6;
+
 /// Results about a pair between the samples.
 pub(super) fn bound_text(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) -> String {
     let (least, unit) = (&p.least, &mechanism.length_unit);
@@ -259,7 +265,12 @@ pub(super) fn bound_text(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) 
             } else {
                 ""
             };
-            format!("never below {} {unit}{when} ({sure})", not_below(bound, 6))
+            let is_small = bound.abs() < SMALL && bound.abs() > CONTACT * mechanism.size;
+            let bound = match is_small {
+                true => at_least_three(bound),
+                false => not_below(bound, 6),
+            };
+            format!("never below {bound} {unit}{when} ({sure})")
         }
         (None, None) if least.distance > 0.0 => NO_BOUND.to_owned(),
         // It is only known that the bodies overlap, not how deeply.

@@ -2,10 +2,11 @@
 //! reasons.
 
 use super::clearance::{
-    NO_BOUND, body_names, bound_text, judgement_reason, judgement_word, violations_sentence,
+    CONTACT, NO_BOUND, body_names, bound_text, judgement_reason, judgement_word,
+    violations_sentence,
 };
 use super::pieces::piece_table;
-use super::rounded::not_below;
+use super::rounded::{at_least_three, not_below};
 use super::sentences::counted_things;
 use crate::clearance::check::{ClearanceReport, FarPairs, Judgement, PairReport};
 use crate::clearance::neighbours::Neighbours;
@@ -141,20 +142,34 @@ fn far_line(far: &FarPairs) -> String {
     )
 }
 
+/// Distances below this are shown with four digits instead of decimals.
+const SMALL: f64 = 0.01;
+
 fn pair_row(mechanism: &Mechanism, p: &PairReport) -> String {
     let [a, b] = body_names(mechanism, p);
+    // Four decimals, unless all are too small for them.
+    let size = p.least.distance.abs().max(p.minimum.abs());
+    let is_small = size < SMALL && size > CONTACT * mechanism.size;
+    let plain = |value: f64| match is_small && value != 0.0 {
+        true => format!("{value:.3e}"),
+        false => format!("{value:.4}"),
+    };
+    let lower = |bound: f64| match is_small && bound != 0.0 {
+        true => at_least_three(bound),
+        false => not_below(bound, 4),
+    };
     let bound = match (p.known_bound(), p.least.is_certified) {
         _ if p.farthest.is_some() => "-".to_owned(),
-        (Some(bound), true) => not_below(bound, 4),
-        (Some(bound), false) => format!("~{}", not_below(bound, 4)),
+        (Some(bound), true) => lower(bound),
+        (Some(bound), false) => format!("~{}", lower(bound)),
         (None, _) if p.least.distance > 0.0 => NO_BOUND.to_owned(),
         // A depth: it is only known that the bodies overlap, not how deeply.
         (None, _) => "-".to_owned(),
     };
     format!(
-        "    {:>10.4}  {bound:>12}  {:>10.4}  {:>10.5}  {:<10} {a} / {b}{}\n",
-        p.least.distance,
-        p.minimum,
+        "    {:>10}  {bound:>12}  {:>10}  {:>10.5}  {:<10} {a} / {b}{}\n",
+        plain(p.least.distance),
+        plain(p.minimum),
         p.least.time,
         judgement_word(&p.judgement),
         inside_word(p),

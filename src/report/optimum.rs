@@ -1,7 +1,7 @@
 //! An optimum of a study in words and as a JSON document.
 
 use super::cells::{aligned_rows, six_digits};
-use super::rounded::at_most;
+use super::sentences::certified_error;
 use crate::analysis::optimise::StopReason;
 use crate::analysis::study::kept_clearances::{Clearances, NearestPair};
 use crate::analysis::study::optimum::Verified;
@@ -105,11 +105,14 @@ impl OptimumReport<'_> {
     fn verified_lines(&self, verified: &Verified) -> String {
         let family = &self.study.family;
         let mut text = format!(
-            "\nSolved again from the start values: {} poses, {} without a certificate, error at most {} {}.\n",
+            "\nSolved again from the start values: {} poses, {} without a certificate, {}.\n",
             verified.poses,
             verified.unproved,
-            at_most(verified.error_bound),
-            family.mechanism().length_unit
+            certified_error(
+                [verified.poses, verified.unproved],
+                verified.error_bound,
+                &family.mechanism().length_unit
+            ),
         );
         let mut rows = vec![vec!["measure".to_owned(), "at these poses".to_owned()]];
         let measures = family.measures.list.iter().zip(&verified.measures);

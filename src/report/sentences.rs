@@ -1,5 +1,6 @@
 //! Events and gaps of a motion as sentences, with values in the scene's units.
 
+use super::rounded::at_most;
 use crate::diag::decimals_of;
 use crate::kinematics::results::trajectory::{Ending, Event, EventKind, Instant, MotionGap};
 use crate::model::mechanism::{Kind, Mechanism};
@@ -258,5 +259,14 @@ pub fn beside_unit(text: String, unit: &str) -> String {
     match unit {
         "" => text,
         unit => format!("{text} {unit}"),
+    }
+}
+
+/// The largest certified error of so many poses, some of them without a certificate.
+pub fn certified_error([poses, unproved]: [usize; 2], bound: f64, unit: &str) -> String {
+    match unproved {
+        0 => format!("error at most {} {unit}", at_most(bound)),
+        _ if unproved >= poses => "no certified error".to_owned(),
+        _ => format!("error of the others at most {} {unit}", at_most(bound)),
     }
 }

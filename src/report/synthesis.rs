@@ -2,6 +2,7 @@
 
 use super::cells::{aligned_rows, six_digits};
 use super::rounded::at_most;
+use super::sentences::certified_error;
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::analysis::synthesis::verify::Proof;
 use crate::analysis::synthesis::{FinishedStart, Synthesis, ending_word};
@@ -222,11 +223,15 @@ fn proof_line(found: &FoundMechanism) -> String {
         )
     });
     let mut text = format!(
-        "\n  solved again: {} poses of the drive, {} missing, {} without a certificate, error at most {} {unit}, {}{open}\n",
+        "\n  solved again: {} poses of the drive, {} missing, {} without a certificate, {}, {}{open}\n",
         proof.poses,
         proof.missing,
         proof.unproved,
-        at_most(proof.error_bound),
+        certified_error(
+            [proof.poses - proof.missing, proof.unproved],
+            proof.error_bound,
+            unit
+        ),
         if proof.one_branch {
             "one branch"
         } else {

@@ -159,11 +159,19 @@ impl Sweep {
     pub(super) fn answer(&self, posed: &Posed, start: RowStatus) -> Row {
         let mut proved = Proved::default();
         let times = self.instants(posed.actuation, posed.measures);
-        let motion = solve_motion(posed.system, posed.actuation, &times);
-        proved.add(posed.system.mechanism(), motion.poses());
+        // The motion begins where the drive does; that pose counts only if it is asked for.
+        let lead: &[f64] = match times.first() {
+            Some(first) if *first > 0.0 => &[0.0],
+            _ => &[],
+        };
+        let all = [lead, &times].concat();
+        let mut motion = solve_motion(posed.system, posed.actuation, &all);
         let mut status = motion_status(&motion, start);
+        motion.samples.drain(..lead.len());
+        proved.add(posed.system.mechanism(), motion.poses());
         let values = match &self.asked {
-            RequestedValues::Outputs { .. } => self.outputs(posed, &motion),
+            // Behind the end of a motion nothing is known of its assembly.
+            RequestedValues::Outputs { .. } => self.outputs(posed, &motion.of_one_motion()),
             _ => {
                 let mut seen = |track: &Trajectory| {
                     proved.add(posed.system.mechanism(), track.poses());
@@ -178,7 +186,10 @@ impl Sweep {
                     along,
                     &mut seen,
                 );
-                found.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect()
+                // A measure of a motion with a gap would mix what lies before and behind it.
+                let is_whole = !matches!(status, RowStatus::NotClosed | RowStatus::Undecided);
+                let known = |value: Option<f64>| value.filter(|_| is_whole).unwrap_or(f64::NAN);
+                found.into_iter().map(known).collect()
             }
         };
         if status == RowStatus::Ok && values.iter().any(|v: &f64| !v.is_finite()) {
@@ -209,7 +220,7 @@ impl Sweep {
     }
 
     /// The values at every instant in turn, in the file's units.
-    fn outputs(&self, posed: &Posed, motion: &Trajectory) -> Vec<f64> {
+    fn outputs(&self, posed: &Posed, samples: &[Sample]) -> Vec<f64> {
         let mechanism = posed.system.mechanism();
         let at = |column: &ValueColumn, sample: &Sample| match &sample.pose {
             Some(pose) => column.value(mechanism, sample, pose),
@@ -217,7 +228,7 @@ impl Sweep {
         };
         let columns = self.shown.iter();
         columns
-            .flat_map(|column| motion.samples.iter().map(|sample| at(column, sample)))
+            .flat_map(|column| samples.iter().map(|sample| at(column, sample)))
             .collect()
     }
 

@@ -235,13 +235,9 @@ fn measure_numbers<'r>(
             MeasureSource::Over { per: Some(_), .. } => Tracked::undefined(count),
             MeasureSource::Over { rates, .. } if !rates.is_empty() => Tracked::undefined(count),
             MeasureSource::Over {
-                track,
-                of,
-                taking,
-                power,
-                ..
+                of, taking, power, ..
             } => {
-                let poses = plan.family.poses_taken(*track, *taking);
+                let poses = plan.family.poses_taken(&measure.source);
                 let values: Vec<Vec<Tracked>> = (of.iter())
                     .map(|formula| poses.clone().map(|pose| value(pose, formula)).collect())
                     .collect();

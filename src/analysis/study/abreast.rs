@@ -4,7 +4,7 @@
 
 use super::lane_measures::LaneMeasures;
 use super::measure::MeasureValues;
-use super::track_poses::{Evaluator, Rejection, TrackPoses};
+use super::track_poses::{Evaluator, LONGEST_STEP, Rejection, TrackPoses};
 use crate::kinematics::abreast::anchor::AnchorPose;
 use crate::kinematics::abreast::closing::LaneSolver;
 use crate::kinematics::loops::observed::observed_slots;
@@ -117,7 +117,10 @@ impl<'f> LaneEvaluator<'f> {
             pose[first..].copy_from_slice(&values);
             // ... corrected by Newton steps, and trusted if the correction is small against the step.
             let closed = self.solver.close(anchor, pose, lanes);
-            let allowed = length.each(largest_correction);
+            let allowed = length.each(|length| match length <= LONGEST_STEP {
+                true => largest_correction(length),
+                false => f64::NEG_INFINITY,
+            });
             lanes = closed.lanes.and(closed.first_step.at_most(allowed));
             if !lanes.any() {
                 break;

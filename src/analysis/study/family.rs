@@ -12,7 +12,7 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::carried::CarriedShape;
 use crate::model::drive::Drive;
-use crate::model::measure::{Measure, MeasureSource, Measures, Taking};
+use crate::model::measure::{Measure, MeasureSource, Measures};
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::study::{Study, Variable};
 use crate::scene::{KeptParameter, Overrides, load_scene};
@@ -383,9 +383,10 @@ impl ParametricMechanism {
     }
 
     /// The range of poses that a measure is reduced from.
-    pub fn poses_taken(&self, track: Option<usize>, taking: Taking) -> std::ops::Range<usize> {
+    pub fn poses_taken(&self, source: &MeasureSource) -> std::ops::Range<usize> {
+        let track = source.track();
         let poses = self.poses_of(track);
-        let is_left_out = self.ends_apart && track.is_none() && !taking.reaches_end();
+        let is_left_out = self.ends_apart && track.is_none() && !source.reaches_end();
         poses.start..poses.end - usize::from(is_left_out)
     }
 

@@ -84,6 +84,24 @@ impl Evaluator<'_> {
     /// # Errors
     /// A measure without a value or derivative (names it), or a singular pose.
     pub fn gradients(&self, track_poses: &TrackPoses) -> Result<Gradients, Rejection> {
+        let found = self.gradients_with_gaps(track_poses)?;
+        let names = self.family.measures.list.iter().map(|m| &m.name);
+        for (name, (value, row)) in names.zip(found.measures.iter().zip(&found.rows)) {
+            if !value.is_finite() {
+                return Err(Rejection::NoValue(name.clone()));
+            }
+            if !row.iter().all(|v| v.is_finite()) {
+                return Err(Rejection::NoDerivative(name.clone()));
+            }
+        }
+        Ok(found)
+    }
+
+    /// The same, with NaN for what has no value or derivative.
+    ///
+    /// # Errors
+    /// The evaluation was cancelled.
+    pub fn gradients_with_gaps(&self, track_poses: &TrackPoses) -> Result<Gradients, Rejection> {
         let list = &self.family.measures.list;
         let (own, count) = (self.family.own_inputs(), track_poses.values.len());
         let shown = self.shown(track_poses);
@@ -102,8 +120,14 @@ impl Evaluator<'_> {
                     let poses = self.family.poses_of(*track);
                     for (formula, weights) in of.iter().zip(&reduced.weights) {
                         for (pose, weight) in poses.clone().zip(weights) {
-                            if *weight != 0.0 {
-                                changes[pose].add(formula, *per, &shown[pose], *weight, &mut row);
+                            if *weight == 0.0 {
+                                continue;
+                            }
+                            match &changes[pose] {
+                                Some(known) => {
+                                    known.add(formula, *per, &shown[pose], *weight, &mut row)
+                                }
+                                None => row.fill(f64::NAN),
                             }
                         }
                     }
@@ -114,24 +138,15 @@ impl Evaluator<'_> {
         }
         let first = self.family.mechanism().inputs.len();
         let (measures, rows) = (numbers[first..].to_vec(), rows.split_off(first));
-        for (index, measure) in list.iter().enumerate() {
-            let name = || measure.name.clone();
-            if !measures[index].is_finite() {
-                return Err(Rejection::NoValue(name()));
-            }
-            if !rows[index].iter().all(|v| v.is_finite()) {
-                return Err(Rejection::NoDerivative(name()));
-            }
-        }
         Ok(Gradients { measures, rows })
     }
 
-    /// Derivatives of the quantities `shown` of every pose by the variables.
+    /// Derivatives of the quantities `shown` of every pose by the variables; none at singular poses.
     pub(super) fn changes(
         &self,
         track_poses: &TrackPoses,
         shown: &[ShownMeasure],
-    ) -> Result<Vec<Changes>, Rejection> {
+    ) -> Result<Vec<Option<Changes>>, Rejection> {
         let settled;
         let sensitivities = match track_poses.sensitivities() {
             Some(known) => known,
@@ -160,17 +175,12 @@ impl Evaluator<'_> {
         };
         let work = |(): &mut (), index| (!self.is_cancelled()).then(|| work(index));
         let found = jobs::share_work(poses, threads, || (), work);
-        let not_reached = |index| {
-            let (track, pose) = self.family.place_of(index);
-            Rejection::NotReached { track, pose }
-        };
+        // Work that was cut short lacks some.
         if let Some(missing) = (0..poses).find(|k| found.get(*k).is_none_or(|(at, _)| at != k)) {
-            return Err(not_reached(missing));
+            let (track, pose) = self.family.place_of(missing);
+            return Err(Rejection::NotReached { track, pose });
         }
-        let changes = found.into_iter();
-        changes
-            .map(|(index, changes)| changes.ok_or_else(|| not_reached(index)))
-            .collect()
+        Ok(found.into_iter().map(|(_, changes)| changes).collect())
     }
 
     /// The slots that measures depend on.

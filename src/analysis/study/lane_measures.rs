@@ -57,14 +57,12 @@ impl<'f> LaneMeasures<'f> {
 
     /// The values of a measure's formulas at its poses; none for a formula of other measures.
     fn rows_of(self, measure: &Measure, slots: &[&[Vec<Octet>]]) -> Vec<Row> {
-        let MeasureSource::Over {
-            track, of, taking, ..
-        } = &measure.source
-        else {
+        let MeasureSource::Over { track, of, .. } = &measure.source else {
             return Vec::new();
         };
         let poses = slots[track.unwrap_or(slots.len() - 1)];
-        let is_left_out = self.family.ends_apart() && track.is_none() && !taking.reaches_end();
+        let is_left_out =
+            self.family.ends_apart() && track.is_none() && !measure.source.reaches_end();
         let poses = &poses[..poses.len() - usize::from(is_left_out)];
         let mut scratch = Vec::new();
         let mut row = |formula: &Expression| -> Row {

@@ -168,14 +168,13 @@ impl Evaluator<'_> {
                     (formula.value_with(&numbers, &mut scratch), None)
                 }
                 MeasureSource::Over {
-                    track,
                     of,
                     per,
                     taking,
                     power,
                     ..
                 } => {
-                    let poses = &shown[self.family.poses_taken(*track, *taking)];
+                    let poses = &shown[self.family.poses_taken(&measure.source)];
                     let rows: Vec<Vec<f64>> = of
                         .iter()
                         .map(|f| {

@@ -50,11 +50,7 @@ impl<'f> StudyRows<'f> {
     /// The rows of a measure that is the largest or smallest value over poses.
     pub fn of(family: &'f ParametricMechanism, measure: &'f Measure) -> Option<Self> {
         let MeasureSource::Over {
-            track,
-            of,
-            per,
-            taking,
-            ..
+            of, per, taking, ..
         } = &measure.source
         else {
             return None;
@@ -65,7 +61,7 @@ impl<'f> StudyRows<'f> {
             Taking::Largest => &[1.0, -1.0],
             _ => return None,
         };
-        let poses = family.poses_taken(*track, *taking);
+        let poses = family.poses_taken(&measure.source);
         Some(Self::rows_along(family, poses, &of[0], *per, signs))
     }
 
@@ -76,7 +72,6 @@ impl<'f> StudyRows<'f> {
     ) -> Option<(Self, Reduction)> {
         // Only measures over poses have rows, ...
         let MeasureSource::Over {
-            track,
             of,
             per,
             taking,
@@ -95,7 +90,7 @@ impl<'f> StudyRows<'f> {
             power: *power,
         };
         // The values as they are; other signs only turn minima and magnitudes into maxima.
-        let poses = family.poses_taken(*track, *taking);
+        let poses = family.poses_taken(&measure.source);
         let rows = Self::rows_along(family, poses, formula, *per, &[1.0]);
         Some((rows, reduction))
     }

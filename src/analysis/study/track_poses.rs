@@ -19,6 +19,14 @@ const SMALLEST_SHARE: f64 = 1.0 / 256.0;
 /// motion could continue on either side: nothing may be built on it.
 const LEAST_SIGMA: f64 = 1e-5;
 
+/// Below this smallest singular value a pose is known to half of the digits at most, and its derivatives to none: they are off by
+/// the rounding of the pose over the square of it.
+const SINGULAR: f64 = 1e-7;
+
+/// The farthest prediction over the dimensions that a step may take, in scaled unknowns. Next to a singular pose predictions go
+/// farther, and a correction could end at the same pose some turns away.
+pub(super) const LONGEST_STEP: f64 = 1.0;
+
 /// Largest difference of two poses that are one, in scaled unknowns: closed poses differ by rounding over their smallest
 /// singular value.
 const SAME_POSE: f64 = 1e-9;
@@ -80,7 +88,12 @@ impl TrackPoses {
 
     /// Whether pose `index` is singular, so that sensitivities are meaningless.
     pub(super) fn is_singular(&self, index: usize) -> bool {
-        self.signs[index].contains(&0)
+        self.signs[index].contains(&0) || self.sigmas[index] < SINGULAR
+    }
+
+    /// Whether a pose is on the same side of all singular ones as pose `index`, if that is on one.
+    fn has_side(&self, index: usize, signs: &[i8]) -> bool {
+        self.is_singular(index) || self.signs[index] == signs
     }
 }
 
@@ -243,10 +256,15 @@ impl<'f> Evaluator<'f> {
         let Some((index, near)) = near else {
             return Err(rejection);
         };
-        let poses = self.own_motion(values).ok_or(rejection.clone())?;
+        let start = self.led_back(track_poses, index, &near);
+        let poses = self.own_motion(values, start).ok_or(rejection.clone())?;
         let is_that = is_one_pose(self.family.mechanism(), &poses[index], &near);
-        let mut pairs = poses.iter().zip(&track_poses.signs);
-        match is_that && pairs.all(|(pose, signs)| self.side(pose).0 == *signs) {
+        let mut pairs = poses.iter().enumerate();
+        let is_there = |(k, pose): (usize, &Vec<f64>)| {
+            let (signs, _) = self.side(pose);
+            track_poses.has_side(k, &signs)
+        };
+        match is_that && pairs.all(is_there) {
             true => Ok(track_poses.approached(values.to_vec(), poses)),
             false => Err(rejection),
         }
@@ -258,7 +276,7 @@ impl<'f> Evaluator<'f> {
         track_poses: &TrackPoses,
         values: &[f64],
     ) -> Result<TrackPoses, Rejection> {
-        let poses = self.own_motion(values);
+        let poses = self.own_motion(values, None);
         let starts_there = |poses: &Vec<Vec<f64>>| {
             let first = poses.first().map(|pose| self.side(pose).0);
             first.as_ref() == track_poses.signs.first()
@@ -272,11 +290,43 @@ impl<'f> Evaluator<'f> {
         }
     }
 
-    /// All poses along the motion of a piece; `None` if it has none as a whole.
-    fn own_motion(&self, values: &[f64]) -> Option<Vec<Vec<f64>>> {
-        let own = self.family.with_start(values).assembled();
-        let poses = own.and_then(|family| family.whole_motion());
+    /// All poses along the motion of a piece, from these start values, if there are some; `None` if it has none as a whole.
+    fn own_motion(&self, values: &[f64], start: Option<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
+        let mut own = self.family.with_start(values);
+        if let Some(start) = start {
+            own.actuation.guess = start;
+        }
+        let poses = own.assembled().and_then(|family| family.whole_motion());
         poses.filter(|_| !self.is_cancelled())
+    }
+
+    /// The unknowns of a piece at the start of the drive, from its pose `index`: back along the track, then straight on.
+    fn led_back(
+        &mut self,
+        track_poses: &TrackPoses,
+        index: usize,
+        near: &[f64],
+    ) -> Option<Vec<f64>> {
+        let family = self.family;
+        let first = family.mechanism().unknowns.len();
+        let driven = first..first + family.own_inputs();
+        let track = family.ranges().find(|poses| poses.contains(&index))?;
+        let before = (track.start..index).rev();
+        let before = before.map(|k| track_poses.poses[k][driven.clone()].to_vec());
+        let start = family.actuation.inputs_at(0.0);
+        let places = before.chain([start[..driven.len()].to_vec()]);
+        let mut pose = near.to_vec();
+        for place in places {
+            let (from, variables) = (&pose[driven.clone()], &pose[driven.end..]);
+            let inputs = |part: f64| {
+                let pairs = from.iter().zip(&place);
+                let moved = pairs.map(|(a, b)| a + (b - a) * part);
+                moved.chain(variables.iter().copied()).collect()
+            };
+            pose = self.group.solver.followed(&pose[..first], inputs)?;
+        }
+        pose.truncate(first);
+        Some(pose)
     }
 
     fn go(
@@ -398,7 +448,7 @@ impl<'f> Evaluator<'f> {
         let correction = self.group.solver.correct(&mut pose, Pace::Brisk);
         let prediction = Prediction { length, bend: 0.0 };
         let trusted = follows_prediction(&correction, &prediction);
-        if !trusted {
+        if !trusted || length > LONGEST_STEP {
             return None;
         }
         // ... and the pose is regular, on the same side of all singular ones.

@@ -16,6 +16,21 @@ pub fn interval_middles(args: &SceneArgs) -> Result<(SceneArgs, Vec<(String, f64
     Ok((scene, widths))
 }
 
+/// Refuses intervals where numbers are meant: `40+-0.5` would also be read as the formula 39.5.
+pub fn refuse_intervals(args: &SceneArgs) -> Result<(), Failure> {
+    for (name, text) in &args.parameters {
+        let is_interval = ["+-", "±", ".."].iter().any(|sign| text.contains(sign));
+        if is_interval {
+            let message = format!("`{name}={text}` is an interval, and a number is required here");
+            let hints = vec![
+                "`enclose` and `check` take intervals; `tolerance` takes --tolerance".to_owned(),
+            ];
+            return Err(Failure::usage(message, hints));
+        }
+    }
+    Ok(())
+}
+
 /// The middle of an interval as a formula, and its half-width; `None` if the text is not an interval.
 fn named_interval(name: &str, text: &str) -> Result<Option<(String, f64)>, Failure> {
     let wrong = |message: String| {

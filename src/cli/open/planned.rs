@@ -1,5 +1,6 @@
 //! Shared by studies in units: the scene beside a plan, its meshes, and arguments that are read again.
 
+use super::intervals::refuse_intervals;
 use crate::cli::args::scene::{ModeChoice, SceneArgs};
 use crate::cli::term::outcome::Failure;
 use crate::diag::Source;
@@ -18,6 +19,7 @@ pub fn planned_text(
     plan: &StudyPlan,
     folder: &Path,
 ) -> Result<(Source, Overrides), Failure> {
+    refuse_intervals(scene)?;
     let place = folder.join(SCENE_FILE);
     let file = source::open_input(&place).map_err(|e| cannot_read(&place, &e))?;
     let source = source::read_source(file, &plan.scene)?;

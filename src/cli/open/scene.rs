@@ -1,5 +1,6 @@
 //! Finding and reading the scene that a command names.
 
+use super::intervals::refuse_intervals;
 use super::{inputs_table, mode};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::term::Term;
@@ -93,6 +94,7 @@ pub fn keep_variables(args: &SceneArgs, scene: &Scene, overrides: &mut Overrides
 
 /// The scene's text, and its overrides on the command line.
 pub fn text_of(args: &SceneArgs) -> Result<(Source, Overrides), Failure> {
+    refuse_intervals(args)?;
     let overrides = Overrides {
         parameters: args.parameters.clone(),
         inputs: args.inputs.clone(),

@@ -116,7 +116,11 @@ pub fn run_pairs(
         );
         return Err(Failure::Stopped(kept));
     }
-    Ok(Outcome::Done)
+    let keeps = |pair: &Pair| pair.found.as_ref().is_ok_and(PairOptimum::keeps_limits);
+    match ranked.iter().any(keeps) {
+        true => Ok(Outcome::Done),
+        false => Ok(Outcome::CheckFailed),
+    }
 }
 
 fn optimise_pair(

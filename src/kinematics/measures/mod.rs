@@ -123,11 +123,12 @@ fn measure_over(
             per,
             taking,
             power,
+            ..
         } if *track == wanted => {
             // Values of the formulas at all samples of the track, or at its ends, then their reduction to one number.
             let poses: Vec<&Sample> = match taking.is_of_ends() {
                 true => along.ends().into_iter().flatten().collect(),
-                false if taking.reaches_end() => along.way().collect(),
+                false if measure.source.reaches_end() => along.way().collect(),
                 false => along.samples.iter().collect(),
             };
             let at = |formula: &Expression| -> Option<Vec<f64>> {

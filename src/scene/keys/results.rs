@@ -116,7 +116,7 @@ static IGNORED: Keys = Keys::new(
         result_key(
             "down_to",
             Formula,
-            "distance that still passes, negative for a depth",
+            "the deepest overlap that still passes, as a distance of 0 or below",
         ),
     ],
 );

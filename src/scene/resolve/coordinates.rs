@@ -115,7 +115,7 @@ fn resolve_drive(
         (ParsedInput::Formula(node), _) => {
             let lookup = |name: &str, span: &_| match name {
                 TIME => Ok(CompiledValue::Slot(0)),
-                _ => names.constant(name, span),
+                _ => names.constant_of_drive(name, span),
             };
             Ok(Drive::Formula(compile_formula(&radians(node), &lookup)?))
         }

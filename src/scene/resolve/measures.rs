@@ -218,6 +218,9 @@ fn resolve_over(
         whole = PhysicalDimension::NUMBER;
     }
     let source = MeasureSource::Over {
+        winds: formulas
+            .iter()
+            .any(|formula| scope.holds_coordinate_angle(formula)),
         track,
         of: formulas,
         rates: rates.list,

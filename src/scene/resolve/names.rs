@@ -6,7 +6,7 @@ use super::super::formula::expansion::Factor;
 use super::super::formula::kinds::{defines_angle, has_plain_angles, has_unknown, to_radians};
 use super::super::formula::node::FormulaNode;
 use super::parsed::Parsed;
-use super::words::{TIME, refuse_double_and_reserved};
+use super::words::{TIME, refuse_double_and_reserved, taken_by_tables};
 use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::model::dimension::PhysicalDimension;
 use crate::model::mechanism::{AngleUnit, Coordinate, Kind};
@@ -135,6 +135,7 @@ impl Names {
         names.index();
         names.refuse_undefined_in_frames(parsed, diagnostics);
         names.refuse_time(diagnostics);
+        names.refuse_taken_unknowns(file, diagnostics);
         names
     }
 
@@ -147,6 +148,29 @@ impl Names {
             diagnostics.push(diagnostic.hint(format!(
                 "give an input the formula, such as `phi = \"360*{TIME}\"` under [inputs], and use the input here"
             )));
+        }
+    }
+
+    /// An unknown is a column of every table, which nothing else may be.
+    fn refuse_taken_unknowns(&self, file: &SceneFile, diagnostics: &mut Diagnostics) {
+        let outputs = file.outputs.iter().map(|(name, _)| name);
+        let outputs: Vec<_> = outputs
+            .chain(file.distances.iter().map(|d| &d.name))
+            .collect();
+        for (unknown, place) in self.unknowns.iter().zip(&self.unknown_places) {
+            if let Some(taken) = taken_by_tables(&unknown.name, place) {
+                diagnostics.push(taken);
+            }
+            if let Some(output) = outputs.iter().find(|name| name.value == unknown.name) {
+                let name = &unknown.name;
+                diagnostics.push(
+                    Diagnostic::error(format!(
+                        "`{name}` is defined twice: as an unknown and as output"
+                    ))
+                    .at(output.span.clone())
+                    .with_related(place.clone(), "an unknown here"),
+                );
+            }
         }
     }
 
@@ -251,6 +275,29 @@ impl Names {
                 })
             }
             None => Err(self.undefined(name, span)),
+        }
+    }
+
+    /// Looks up a constant in the formula of an input, which may also use the time.
+    pub fn constant_of_drive(&self, name: &str, span: &Span) -> Result<CompiledValue, Diagnostic> {
+        let parameters = self.parameters.iter().map(|p| p.name.as_str());
+        let known = std::iter::once(TIME).chain(parameters);
+        match self.meaning(name) {
+            Some(Meaning::Parameter(_)) => self.constant(name, span),
+            _ if self.broken.contains(name) => Err(Diagnostic::inherited()),
+            Some(_) => {
+                let message = format!(
+                    "`{name}` varies: formulas of inputs are of the time `{TIME}` and parameters"
+                );
+                let diagnostic = Diagnostic::error(message).at(span.clone());
+                Err(diagnostic.did_you_mean(name, known))
+            }
+            None => {
+                let diagnostic = Diagnostic::error(format!("`{name}` is not defined"))
+                    .at(span.clone())
+                    .label(format!("neither the time `{TIME}` nor a parameter"));
+                Err(self.suggest(diagnostic, name, known))
+            }
         }
     }
 

@@ -40,6 +40,23 @@ pub struct ExtraSlot {
 }
 
 impl<'a> Scope<'a> {
+    /// Whether a formula contains an angle that is a coordinate, or an output that does.
+    pub fn holds_coordinate_angle(&self, formula: &Expression) -> bool {
+        let coordinates = || self.names.unknowns.iter().chain(&self.names.inputs);
+        let count = coordinates().count();
+        let first = count + 3 * self.traces.len();
+        let mut slots = formula.slots().into_iter();
+        slots.any(|slot| match slot.checked_sub(first) {
+            Some(index) => match self.outputs.get(index).map(|output| &output.source) {
+                Some(OutputSource::Formula(formula)) => self.holds_coordinate_angle(formula),
+                _ => false,
+            },
+            None => coordinates()
+                .nth(slot)
+                .is_some_and(|c| c.kind == Kind::Angle),
+        })
+    }
+
     /// Resolves the outputs in the order of the file.
     pub fn resolve(
         (file, parsed): (&SceneFile, &Parsed),

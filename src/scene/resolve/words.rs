@@ -11,6 +11,47 @@ pub const TIME: &str = "t";
 /// Words of the formula language besides its functions.
 const RESERVED: [&str; 7] = [TIME, "pi", "π", "E", "inv", "nan", "inf"];
 
+/// Columns that tables of motions and of sweeps have besides the names of a scene.
+const COLUMNS: [&str; 19] = [
+    "time",
+    "closure_error",
+    "sigma_min",
+    "condition",
+    "rank",
+    "branch",
+    "error_bound",
+    "unique_radius",
+    "closes_to",
+    "iterations",
+    "status",
+    "motion_tubes",
+    "motion_radius",
+    "motion_unique",
+    "motion_closes_to",
+    "motion_status",
+    "design",
+    "feasible",
+    "unproved",
+];
+
+/// What is wrong with a name of a coordinate, an output or a measure, each of which is a column: that tables have it already.
+pub fn taken_by_tables(word: &str, place: &Span) -> Option<Diagnostic> {
+    COLUMNS.contains(&word).then(|| {
+        let hint = match word {
+            "time" => {
+                format!("in the formulas of inputs the time is `{TIME}`; choose another name")
+            }
+            _ => "choose another name".to_owned(),
+        };
+        Diagnostic::error(format!("`{word}` is a column of every table"))
+            .at(place.clone())
+            .hint(hint)
+    })
+}
+
+/// The sections whose names are columns.
+const COLUMN_SECTIONS: [&str; 4] = ["parameter", "input", "output", "measure"];
+
 /// Rejects names that are given twice and words of the formula language.
 pub fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostics) {
     let mut seen: BTreeMap<&str, (&str, Span)> = BTreeMap::new();
@@ -43,6 +84,10 @@ pub fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostic
                 continue;
             }
             seen.insert(word, (section, name.span.clone()));
+            let taken = taken_by_tables(word, &name.span);
+            if let Some(taken) = taken.filter(|_| COLUMN_SECTIONS.contains(&section)) {
+                diagnostics.push(taken);
+            }
             // A name must be readable as a name wherever it may be used.
             let reserved = RESERVED.contains(&word) || Function::from_name(word).is_some();
             if reserved || !is_identifier(word) {

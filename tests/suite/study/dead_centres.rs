@@ -121,7 +121,10 @@ fn pieces_go_on_from_a_change_point_as_they_move() {
         .filter_map(|line| line.split(',').nth(1)?.parse::<f64>().ok());
     let values: Vec<f64> = values.collect();
     assert_eq!(values.len() as u64 + failed, 400);
-    assert!(values.iter().all(|low| (0.0..20.0).contains(low)), "{values:?}");
+    assert!(
+        values.iter().all(|low| (0.0..20.0).contains(low)),
+        "{values:?}"
+    );
 }
 
 #[test]
@@ -130,12 +133,18 @@ fn bands_end_at_a_change_point() {
     w.write("s.toml", PARALLELOGRAM);
     let arguments = "enclose s.toml --vary a,b,c,d --tolerance 0.0001 --samples 20 --out b.csv";
     for between in [&[][..], &["--between"]] {
-        let words: Vec<&str> = arguments.split(' ').chain(between.iter().copied()).collect();
+        let words: Vec<&str> = arguments
+            .split(' ')
+            .chain(between.iter().copied())
+            .collect();
         w.run(&words).exits(1);
         let table = String::from_utf8(w.read("b.csv")).unwrap();
         let words = table.lines().skip(1).map(|line| line.rsplit(',').next());
         let words: Vec<&str> = words.flatten().collect();
-        assert!(words[..10].iter().all(|word| *word == "enclosed"), "{words:?}");
+        assert!(
+            words[..10].iter().all(|word| *word == "enclosed"),
+            "{words:?}"
+        );
         let behind = |word: &&str| *word == "behind-singular-pose";
         assert!(words[10..].iter().all(behind), "{words:?}");
     }
