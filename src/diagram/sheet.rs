@@ -10,9 +10,10 @@ use super::lettering::{QuantityLettering, valued_name};
 use super::links::{draw_links, is_one_spot, leaving_direction, number_links, sign_places};
 use super::loops::{draw_frames, draw_loop};
 use super::plane::{DrawingPlane, DrawnSpot, USUAL_WIDTH, facing_axes};
-use super::scheme::{QuantitySource, Scheme, SchemeLength};
+use super::scheme::{QuantitySource, Scheme, SchemeJoint, SchemeLength};
 use super::surfaces::draw_surface;
 use super::symbols::draw_joint;
+use crate::model::joints::JointKind;
 use crate::plot::Drawing;
 use crate::plot::layout::{Ruler, Sizes};
 use crate::plot::primitive::{DrawnPrimitive, Rect, TextAnchor};
@@ -212,9 +213,14 @@ fn draw_mechanism(
             standing.push(*sign);
         }
     }
-    for (k, joint) in scheme.joints.iter().enumerate() {
+    // Blocks hide what lies under them, such as a pin at the same place.
+    let is_block =
+        |joint: &SchemeJoint| matches!(joint.kind, JointKind::Prismatic | JointKind::Planar);
+    let (blocks, others): (Vec<usize>, Vec<usize>) =
+        (0..scheme.joints.len()).partition(|k| is_block(&scheme.joints[*k]));
+    for k in blocks.into_iter().chain(others) {
         draw_joint(
-            joint,
+            &scheme.joints[k],
             signs[k],
             leaving_direction(scheme, k, &signs, plane),
             plane,

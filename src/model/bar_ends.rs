@@ -27,8 +27,7 @@ impl<'m> BarEnds<'m> {
             links: OnceCell::new(),
         };
         let all = mechanism.bars.iter().flat_map(|bar| &bar.ends);
-        let free = all.filter(|end| ends.guide_of(end).is_none());
-        ends.slots = free.flat_map(|end| ends.unknowns_of(end)).collect();
+        ends.slots = all.flat_map(|end| ends.helpers_of(end)).collect();
         ends
     }
 
@@ -40,6 +39,19 @@ impl<'m> BarEnds<'m> {
         let joint = steps[place].joint().filter(|_| is_alone)?;
         let is_shift = joint.motion == ElementaryMotion::Translation;
         is_shift.then_some((&steps[..place], joint))
+    }
+
+    /// The unknowns that only place an end: all of a free one, and of one on a guide those besides the way along it.
+    fn helpers_of(&self, end: &'m BarEnd) -> BTreeSet<usize> {
+        let mut helpers = self.unknowns_of(end);
+        if self.guide_of(end).is_some() {
+            for argument in end.carrier.arguments() {
+                for slot in self.mechanism.arguments[argument].coordinates() {
+                    helpers.remove(&slot);
+                }
+            }
+        }
+        helpers
     }
 
     /// Every bar's ends.

@@ -2,6 +2,7 @@
 
 use super::checked::CheckedMotion;
 use super::markup::Section;
+use crate::model::bar_ends::BarEnds;
 use crate::model::joints::JointKind;
 use crate::model::mechanism::{Coordinate, Mechanism};
 use crate::report::sentences::{counted_things, with_unit};
@@ -74,7 +75,9 @@ fn named_list<'n>(names: impl Iterator<Item = &'n str>) -> String {
 /// `3 revolute joints, 1 prismatic joint`.
 fn joint_list(mechanism: &Mechanism) -> String {
     let mut kinds: Vec<(JointKind, usize)> = Vec::new();
-    for joint in &mechanism.joints.list {
+    let ends = BarEnds::new(mechanism);
+    let real = (mechanism.joints.list.iter()).filter(|joint| !ends.place_joint(joint));
+    for joint in real {
         match kinds.iter_mut().find(|(kind, _)| *kind == joint.kind) {
             Some((_, count)) => *count += 1,
             None => kinds.push((joint.kind, 1)),
