@@ -1,5 +1,6 @@
 //! Bars between points: each is a link of its own from pin to pin. The coordinates of free points are no joints.
 
+use super::guides::EndBlock;
 use super::scheme::{FLAT, QuantitySource, SchemeJoint, SchemeLength, SchemeLink};
 use super::walk::{ChainWalker, SAME};
 use crate::math::Pose;
@@ -49,8 +50,10 @@ impl ChainWalker<'_> {
             });
             self.note_bar_length(k, bar, *ends, normal);
         }
+        let number = shown + 1 + mechanism.bars.len();
+        let blocks = self.note_guides(own, number);
         // Where several links meet: joints of all others with the first, hinges if the bars are planar.
-        for pin in self.pins(&places, first) {
+        for pin in self.pins(&places, first, &blocks) {
             let (Some(base), others) = (pin.links.first(), pin.links.iter().skip(1)) else {
                 continue;
             };
@@ -68,7 +71,7 @@ impl ChainWalker<'_> {
     }
 
     /// The places where bars end; `first` is the link of the first bar.
-    fn pins(&self, places: &[[DVec3; 2]], first: usize) -> Vec<Pin> {
+    fn pins(&self, places: &[[DVec3; 2]], first: usize, blocks: &[EndBlock]) -> Vec<Pin> {
         let mut pins: Vec<Pin> = Vec::new();
         let ends = self.mechanism.bars.iter().flat_map(|bar| &bar.ends);
         for (k, (end, at)) in ends.zip(places.iter().flatten()).enumerate() {
@@ -76,7 +79,8 @@ impl ChainWalker<'_> {
             if let Some(known) = pins.iter_mut().find(near) {
                 known.links.push(first + k / 2);
             } else {
-                let carrier = self.ends.link_of(end);
+                let block = || self.block_of(blocks, k / 2, k % 2);
+                let carrier = self.ends.link_of(end).or_else(block);
                 pins.push(Pin {
                     at: *at,
                     links: carrier.into_iter().chain([first + k / 2]).collect(),

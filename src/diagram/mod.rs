@@ -9,6 +9,7 @@ mod bars;
 mod bins;
 mod contacts;
 mod ground;
+mod guides;
 mod ink;
 pub mod labels;
 mod lengths;

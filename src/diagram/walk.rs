@@ -4,7 +4,7 @@ use super::scheme::{Scheme, SchemeJoint, SchemeLink, SchemeLoop};
 use super::shown_links::{link_numbers, rides_on_joints, shown_links};
 use crate::math::Pose;
 use crate::model::bar_ends::BarEnds;
-use crate::model::chain::{ArgumentValue, ElementaryMotion};
+use crate::model::chain::{ArgumentValue, Chain, ElementaryMotion};
 use crate::model::joints::{JointKind, Joints, Passage};
 use crate::model::mechanism::Mechanism;
 use crate::model::notation::{Notation, WrittenChain, WrittenFactor, unsigned_text};
@@ -46,6 +46,7 @@ pub fn scheme_at(mechanism: &Mechanism, notation: &Notation, coordinates: &[f64]
             }
         }
     }
+    walker.note_rest(&own);
     walker.note_bars(&own);
     walker.note_surfaces();
     walker.scheme
@@ -211,6 +212,54 @@ impl<'a> ChainWalker<'a> {
             },
             names: Vec::new(),
         });
+    }
+
+    /// The joints that no written loop or body passes: those that carry whole loops around, such as the slewing of a crane.
+    fn note_rest(&mut self, own: &[ArgumentValue]) {
+        for (k, joint) in self.joints.list.iter().enumerate() {
+            if self.known[k].is_some() || joint.is_placed || self.is_of_end(k) {
+                continue;
+            }
+            let mut here = self.joints.world_from(&joint.before).pose(own);
+            let at = here.translation;
+            let mut axes = Vec::new();
+            for step in &joint.steps {
+                if let Some(motion) = step.joint() {
+                    axes.push(here.rotation.col(motion.axis));
+                }
+                here = here * Chain { steps: vec![*step] }.pose(own);
+            }
+            let links = [joint.before.link, joint.after.link];
+            if !links
+                .iter()
+                .any(|link| !self.joints_of_link[*link].is_empty())
+            {
+                continue;
+            }
+            // A line leads from it to the nearest joint of either link.
+            for link in links.into_iter().filter(|link| *link != 0) {
+                let others = self.joints_of_link[link].iter();
+                let others = others.map(|index| self.scheme.joints[*index].at);
+                let nearest = others.min_by(|a, b| a.distance(at).total_cmp(&b.distance(at)));
+                let far = |other: &DVec3| other.distance(at) > NOTHING * self.scheme.size;
+                if let Some(other) = nearest.filter(far) {
+                    self.scheme.links[link].paths.push(vec![at, other]);
+                }
+            }
+            let index = self.scheme.joints.len();
+            self.known[k] = Some(index);
+            links
+                .iter()
+                .for_each(|link| self.joints_of_link[*link].push(index));
+            self.scheme.joints.push(SchemeJoint {
+                kind: joint.kind,
+                at: here.translation,
+                from: at,
+                axes,
+                links,
+                names: Vec::new(),
+            });
+        }
     }
 
     /// Whether a joint only places the end of a bar.

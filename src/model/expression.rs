@@ -37,6 +37,14 @@ impl Op {
         self.mapped(|k| k + by)
     }
 
+    /// Calls `meet` with every operand.
+    fn visit_operands(self, mut meet: impl FnMut(usize)) {
+        self.mapped(|k| {
+            meet(k);
+            k
+        });
+    }
+
     /// The same operation of other operands.
     fn mapped(self, mut to: impl FnMut(usize) -> usize) -> Self {
         match self {
@@ -121,6 +129,27 @@ impl Expression {
     /// The operations.
     pub fn ops(&self) -> &[Op] {
         &self.ops
+    }
+
+    /// Slots that it uses outside of sine, cosine and tangent, which do not show how often an angle has turned.
+    pub fn slots_outside_waves(&self) -> Vec<usize> {
+        let mut is_met = vec![false; self.ops.len()];
+        for op in &self.ops {
+            if !matches!(
+                op,
+                Op::Call(Function::Sin | Function::Cos | Function::Tan, ..)
+            ) {
+                op.visit_operands(|k| is_met[k] = true);
+            }
+        }
+        // The last operation is the value.
+        is_met.last_mut().into_iter().for_each(|met| *met = true);
+        let met = self.ops.iter().zip(is_met).filter(|(_, met)| *met);
+        let slots = met.filter_map(|(op, _)| match op {
+            Op::Slot(slot) => Some(*slot),
+            _ => None,
+        });
+        slots.collect()
     }
 
     /// Slots it depends on, ascending.

@@ -11,6 +11,7 @@ mod lane_measures;
 mod loaded;
 mod measure;
 pub mod optimum;
+mod own_motion;
 mod peaks;
 mod reshaped;
 mod row_reader;

@@ -31,7 +31,12 @@ pub struct PairRows<'a> {
     uses: Vec<usize>,
     /// Coordinates from this one on are inputs.
     first_input: usize,
+    /// Whether a loop of at most [`WITHIN_PLANE`] motions passes the edge.
+    is_of_short_loop: Vec<bool>,
 }
+
+/// A loop of so many motions, three of which would be one planar joint, moves in the plane of that joint, which then guides nothing.
+const WITHIN_PLANE: usize = 4;
 
 /// For every edge the largest unit of the loops that pass it; the mechanism's if there is none.
 fn link_sizes(mechanism: &Mechanism, graph: &Finished) -> Vec<f64> {
@@ -46,6 +51,18 @@ fn link_sizes(mechanism: &Mechanism, graph: &Finished) -> Vec<f64> {
     known
         .map(|size| if size > 0.0 { size } else { mechanism.size })
         .collect()
+}
+
+/// For every edge whether a loop of few motions passes it.
+fn edges_of_short_loops(graph: &Finished) -> Vec<bool> {
+    let mut is_of_short = vec![false; graph.edges.len()];
+    for path in &graph.paths.loops {
+        let edges: Vec<usize> = path.iter().flatten().map(|s| s.crossing.edge).collect();
+        if edges.len() <= WITHIN_PLANE {
+            edges.into_iter().for_each(|edge| is_of_short[edge] = true);
+        }
+    }
+    is_of_short
 }
 
 impl<'a> PairRows<'a> {
@@ -77,6 +94,7 @@ impl<'a> PairRows<'a> {
             coordinates,
             uses,
             first_input: mechanism.unknowns.len(),
+            is_of_short_loop: edges_of_short_loops(graph),
         }
     }
 
@@ -238,7 +256,8 @@ impl<'a> PairRows<'a> {
                 Some(JointKind::Spherical)
             }
             ([a, b, c], [one, other]) if is_planar([*a, *b, *c], [one, other]) => {
-                Some(JointKind::Planar)
+                let is_idle = crossings.iter().any(|c| self.is_of_short_loop[c.edge]);
+                (!is_idle).then_some(JointKind::Planar)
             }
             _ => None,
         }

@@ -24,6 +24,7 @@ mod parsing;
 mod plots;
 mod range;
 mod rates;
+mod refused_names;
 mod scales;
 mod section;
 mod shown_dimensions;

@@ -6,7 +6,7 @@ use super::super::formula::expansion::Factor;
 use super::super::formula::kinds::{defines_angle, has_plain_angles, has_unknown, to_radians};
 use super::super::formula::node::FormulaNode;
 use super::parsed::Parsed;
-use super::words::{TIME, refuse_double_and_reserved, taken_by_tables};
+use super::words::{TIME, refuse_double_and_reserved};
 use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::model::dimension::PhysicalDimension;
 use crate::model::mechanism::{AngleUnit, Coordinate, Kind};
@@ -137,52 +137,6 @@ impl Names {
         names.refuse_time(diagnostics);
         names.refuse_taken_unknowns(file, diagnostics);
         names
-    }
-
-    /// The name of the time is no unknown: who writes it into a loop or an equation means a drive.
-    fn refuse_time(&self, diagnostics: &mut Diagnostics) {
-        let places = self.unknowns.iter().zip(&self.unknown_places);
-        for (_, place) in places.filter(|(unknown, _)| unknown.name == TIME) {
-            let message = format!("the time `{TIME}` can be used in drives only");
-            let diagnostic = Diagnostic::error(message).at(place.clone());
-            diagnostics.push(diagnostic.hint(format!(
-                "give an input the formula, such as `phi = \"360*{TIME}\"` under [inputs], and use the input here"
-            )));
-        }
-    }
-
-    /// An unknown is a column of every table, which nothing else may be.
-    fn refuse_taken_unknowns(&self, file: &SceneFile, diagnostics: &mut Diagnostics) {
-        let outputs = file.outputs.iter().map(|(name, _)| name);
-        let outputs: Vec<_> = outputs
-            .chain(file.distances.iter().map(|d| &d.name))
-            .collect();
-        for (unknown, place) in self.unknowns.iter().zip(&self.unknown_places) {
-            if let Some(taken) = taken_by_tables(&unknown.name, place) {
-                diagnostics.push(taken);
-            }
-            if let Some(output) = outputs.iter().find(|name| name.value == unknown.name) {
-                let name = &unknown.name;
-                diagnostics.push(
-                    Diagnostic::error(format!(
-                        "`{name}` is defined twice: as an unknown and as output"
-                    ))
-                    .at(output.span.clone())
-                    .with_related(place.clone(), "an unknown here"),
-                );
-            }
-        }
-    }
-
-    /// A name in a body's frame that no loop determines is probably misspelled.
-    fn refuse_undefined_in_frames(&self, parsed: &Parsed, diagnostics: &mut Diagnostics) {
-        for factor in parsed.frames.iter().flatten() {
-            visit_factor(factor, &mut |name, span| {
-                if let Err(diagnostic) = self.coordinate(name, span) {
-                    diagnostics.push(diagnostic);
-                }
-            });
-        }
     }
 
     /// The meaning of `name` in a formula of coordinates.
@@ -435,7 +389,7 @@ impl Names {
     }
 }
 
-fn visit_factor(factor: &Factor, visit: &mut dyn FnMut(&str, &Span)) {
+pub(super) fn visit_factor(factor: &Factor, visit: &mut dyn FnMut(&str, &Span)) {
     match factor {
         Factor::Elementary(_, _, node) => node.visit_names(visit),
         Factor::Direction(nodes, _) => nodes.iter().for_each(|node| node.visit_names(visit)),

@@ -40,12 +40,12 @@ pub struct ExtraSlot {
 }
 
 impl<'a> Scope<'a> {
-    /// Whether a formula contains an angle that is a coordinate, or an output that does.
+    /// Whether a formula contains an angle that is a coordinate, not only its sine or cosine, or an output that does.
     pub fn holds_coordinate_angle(&self, formula: &Expression) -> bool {
         let coordinates = || self.names.unknowns.iter().chain(&self.names.inputs);
         let count = coordinates().count();
         let first = count + 3 * self.traces.len();
-        let mut slots = formula.slots().into_iter();
+        let mut slots = formula.slots_outside_waves().into_iter();
         slots.any(|slot| match slot.checked_sub(first) {
             Some(index) => match self.outputs.get(index).map(|output| &output.source) {
                 Some(OutputSource::Formula(formula)) => self.holds_coordinate_angle(formula),
