@@ -47,7 +47,8 @@ pub fn motion_chart(
     if missing > 0 {
         let all = trajectory.asked();
         chart.notes.push(format!(
-            "{missing} of {all} samples have no pose: the loops are not closed there"
+            "{missing} of {all} samples {} no pose: the loops are not closed there",
+            if missing == 1 { "has" } else { "have" }
         ));
     }
     let named = |p: &Panel| {

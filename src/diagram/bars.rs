@@ -28,7 +28,7 @@ impl ChainWalker<'_> {
                     .map(|end| end.point.pose(own).translation)
             })
             .collect();
-        let normal = self.bar_normal(&places);
+        let normal = self.bar_normal(&places, &self.guide_axes(own));
         // Bars are links, numbered after those that are shown.
         let first = self.scheme.links.len();
         let shown = self
@@ -91,8 +91,9 @@ impl ChainWalker<'_> {
     }
 
     /// The normal of all bars, if they are planar: no end may leave its plane.
-    fn bar_normal(&self, places: &[[DVec3; 2]]) -> Option<DVec3> {
-        let directions = || places.iter().map(|[a, b]| (*b - *a).normalize_or_zero());
+    fn bar_normal(&self, places: &[[DVec3; 2]], guides: &[DVec3]) -> Option<DVec3> {
+        let bars = || places.iter().map(|[a, b]| (*b - *a).normalize_or_zero());
+        let directions = || bars().chain(guides.iter().copied());
         // An axis of a hinge, or what two bars span.
         let joints = self.scheme.joints.iter();
         let hinges = joints.filter(|j| j.kind == JointKind::Revolute);

@@ -70,6 +70,19 @@ impl ChainWalker<'_> {
         blocks
     }
 
+    /// Directions of the guides of ends.
+    pub(super) fn guide_axes(&self, own: &[ArgumentValue]) -> Vec<DVec3> {
+        let ends = self.mechanism.bars.iter().flat_map(|bar| &bar.ends);
+        let guides = ends.filter_map(|end| self.ends.guide_of(end));
+        let axes = guides.map(|(before, joint)| {
+            let before = Chain {
+                steps: before.to_vec(),
+            };
+            before.pose(own).rotation.col(joint.axis)
+        });
+        axes.collect()
+    }
+
     /// The block that carries an end, of those noted.
     pub(super) fn block_of(&self, blocks: &[EndBlock], bar: usize, side: usize) -> Option<usize> {
         let (_, joint) = self.ends.guide_of(&self.mechanism.bars[bar].ends[side])?;

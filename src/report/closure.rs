@@ -1,6 +1,6 @@
 //! The questions whether a motion closes, and whether a given pose does.
 
-use super::sentences::{angles_note, gap_sentence};
+use super::sentences::{angles_note, gap_sentence, samples_without_pose};
 use super::verdict::{Case, MOTION, Status};
 use crate::diag::decimals_of;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -16,7 +16,7 @@ pub fn closing_case(mechanism: &Mechanism, trajectory: &Trajectory) -> Case {
     let (samples, missing) = (trajectory.samples.len(), trajectory.missing());
     let counted = match missing {
         0 => format!("{samples} samples, all with a pose"),
-        _ => format!("{missing} of {samples} samples have no pose"),
+        _ => samples_without_pose(missing, samples),
     };
     let gaps = trajectory.gaps.iter().map(|g| gap_sentence(mechanism, g));
     let text: Vec<String> = [counted].into_iter().chain(gaps).collect();
@@ -53,10 +53,12 @@ pub fn closure_case(mechanism: &Mechanism, trajectory: &Trajectory, allowed: f64
 /// A closure error with what is allowed.
 pub fn error_sentence(mechanism: &Mechanism, worst: f64, allowed: f64) -> String {
     let (size, unit) = (mechanism.size, &mechanism.length_unit);
+    // Without the digits that only a sum of decimals adds.
+    let shown: f64 = format!("{size:.12e}").parse().unwrap_or(size);
     let is_one = mechanism.loops.iter().all(|item| item.size == size);
     let measure = match is_one {
-        true => format!("{size} {unit}"),
-        false => format!("the size of each loop, at most {size} {unit}"),
+        true => format!("{shown} {unit}"),
+        false => format!("the size of each loop, at most {shown} {unit}"),
     };
     format!("{worst:.2e} (allowed {allowed:.0e}, relative to {measure})")
 }

@@ -134,7 +134,10 @@ pub fn event_sentence(mechanism: &Mechanism, event: &Event) -> String {
             format!("`{name}` turns back at {at}: a local {extreme} of {value}")
         }
         EventKind::InputUndefined { name, proved: true } => {
-            format!("input `{name}` has no value at {at}")
+            format!(
+                "input `{name}` has no value near t = {} s",
+                decimals_of(event.time, 9)
+            )
         }
         EventKind::InputUndefined {
             name,
@@ -260,6 +263,12 @@ pub fn beside_unit(text: String, unit: &str) -> String {
         "" => text,
         unit => format!("{text} {unit}"),
     }
+}
+
+/// `1 of 41 samples has no pose`.
+pub fn samples_without_pose(missing: usize, samples: usize) -> String {
+    let verb = if missing == 1 { "has" } else { "have" };
+    format!("{missing} of {samples} samples {verb} no pose")
 }
 
 /// The largest certified error of so many poses, some of them without a certificate.

@@ -1,6 +1,7 @@
 //! `mechanim new`: a copy of a built-in scene as a starting point.
 
 use crate::cli::args::files::NewArgs;
+use crate::cli::study::submit::shell_word;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::scene::builtin::find_builtin;
@@ -41,6 +42,14 @@ pub fn run_new(args: &NewArgs, term: &Term) -> Result<Outcome, Failure> {
         _ => Failure::usage(format!("cannot write {shown}: {error}"), Vec::new()),
     })?;
     term.note(&format!("{shown}: a scene made from {}", source.name));
-    term.note(&format!("next: mechanim check {shown}"));
+    let name = shown.to_string();
+    let word = match name
+        .chars()
+        .all(|c| c.is_alphanumeric() || "/._-".contains(c))
+    {
+        true => name,
+        false => shell_word(&name),
+    };
+    term.note(&format!("next: mechanim check {word}"));
     Ok(Outcome::Done)
 }

@@ -9,7 +9,9 @@ use crate::kinematics::solve::wishes::StartPreferences;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Coordinate;
-use crate::report::sentences::{event_sentence, gap_sentence, with_unit};
+use crate::report::sentences::{
+    counted_things, event_sentence, gap_sentence, samples_without_pose, with_unit,
+};
 
 /// Maximum number of events that are printed one by one.
 const MAX_LINES: usize = 12;
@@ -48,7 +50,7 @@ pub fn tell_events(
     }
     term.warning(&match missing {
         0 => "every sample has a pose, but not every instant between them".to_owned(),
-        _ => format!("{missing} of {} samples have no pose", trajectory.asked()),
+        _ => samples_without_pose(missing, trajectory.asked()),
     });
     if trajectory.is_undecided() {
         return Ok(Outcome::Undecided);
@@ -166,6 +168,8 @@ fn event_contradiction(system: &System, event: &Event) -> Option<String> {
         ),
     };
     Some(format!(
-        "`{name}` has {rows} equations and {unknowns} unknowns: {fit} exactly"
+        "`{name}` has {} and {}: {fit} exactly",
+        counted_things(rows, "equation"),
+        counted_things(unknowns, "unknown")
     ))
 }

@@ -256,3 +256,55 @@ fn every_report_says_when() {
         assert!(matrix.contains(words), "{words}: {matrix}");
     }
 }
+
+/// A ball on an arm that turns many times between two samples: no interval is short enough for a bound of its own.
+fn spun(apart: f64, rate: &str, minimum: f64) -> String {
+    format!(
+        "units = {{ length = \"mm\" }}\nduration = 1000\n[inputs]\nu = \"{rate}\"\n\
+         [[bodies]]\nname = \"a\"\nframe = \"Tx({apart})\"\nshapes = [{{ sphere = {{ radius = 1 }} }}]\n\
+         [[bodies]]\nname = \"b\"\nframe = \"Rz(u)\"\nshapes = [{{ sphere = {{ center = [2, 0, 0], radius = 1 }} }}]\n\
+         [clearance]\nminimum = {minimum}\n"
+    )
+}
+
+#[test]
+fn what_fast_bodies_sweep_bounds_them() {
+    // The nearest they come is apart - 4. Over longer intervals the second formula has no bound itself.
+    for (rate, samples) in [("600*t", 100), ("600*t", 5000), ("7*sin(60*t)", 5000)] {
+        let report = report(&open(&spun(1000.0, rate, 0.1)), samples);
+        let pair = &report.judged[0];
+        assert!(
+            pair.judgement.is_kept(),
+            "{rate} {samples}: {:?}",
+            pair.least
+        );
+        assert!((0.1..=996.0).contains(&pair.least.bound));
+    }
+    // Swept volumes that meet prove nothing: the bodies may overlap between the samples.
+    for apart in [3.5, 4.5] {
+        let report = report(&open(&spun(apart, "600*t", 0.1)), 400);
+        let least = &report.judged[0].least;
+        assert!(least.bound <= apart - 4.0, "{apart}: {least:?}");
+    }
+}
+
+#[test]
+fn the_distance_is_the_least_of_all_that_were_seen() {
+    // Undecided or failed, what an interval of violation has seen counts for the pair.
+    for offset in [0.0, 1e5, 1e6] {
+        let text = format!(
+            "units={{length=\"mm\"}}\nduration=1\n[inputs]\nu=\"9*sin(48.8*t)\"\nv=\"7*max(sin(49.5*t),cos(65*t))\"\n\
+             [[bodies]]\nname=\"a\"\nframe=\"T({offset},4.22,0)\"\nshapes=[{{sphere={{radius=1}}}}]\n\
+             [[bodies]]\nname=\"b\"\nframe=\"T({offset},0,0) Rx(v) Rz(u)\"\nshapes=[{{box={{center=[1,0,0],size=[2,1,0.5]}}}}]\n\
+             [clearance]\nminimum=1.1\n"
+        );
+        let report = report(&open(&text), 5);
+        let pair = &report.judged[0];
+        for violation in pair.violations.iter().flat_map(|v| &v.list) {
+            assert!(
+                pair.least.distance <= violation.distance,
+                "{offset}: {violation:?}"
+            );
+        }
+    }
+}

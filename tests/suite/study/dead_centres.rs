@@ -149,3 +149,130 @@ fn bands_end_at_a_change_point() {
         assert!(words[10..].iter().all(behind), "{words:?}");
     }
 }
+
+/// A four-bar that is nearly a kite: its ground is longer than its crank by less than the other two bars differ, or by more.
+const KITE: &str = r#"units = { length = "mm", angle = "deg" }
+duration = 4
+[parameters]
+d = 40.1
+[inputs]
+phi = "90*t"
+[chains]
+T13 = "Rz(phi) Tx(40) Rz(alpha)"
+T14 = "Tx(d) Rz(psi)"
+[loops]
+A = "T13 Tx(80) Rz(mu) inv(T14 Tx(79.95))"
+[guess]
+psi = 60
+mu = 0.06
+[measures]
+mx = { of = "mu", take = "max" }
+"#;
+
+#[test]
+fn pieces_beyond_a_change_point_are_found_from_their_other_poses() {
+    let w = Workspace::new();
+    w.write("s.toml", KITE);
+    for start in ["90*t", "90+90*t"] {
+        let input = format!("phi={start}");
+        let arguments = ["tolerance", "s.toml", "--vary", "d", "--tolerance", "0.25"];
+        let more = ["--pieces", "600", "--json", "-", "--input", &input];
+        let run = w.run(&[&arguments[..], &more].concat()).exits(0);
+        let report: Value = serde_json::from_slice(&run.stdout).unwrap();
+        // Only those with |d - 40| < 0.05 are folded at 0: a fifth, four standard deviations on either side.
+        let failed = report["failed"].as_u64().unwrap();
+        assert!((81..=159).contains(&failed), "{start}: {failed}");
+    }
+}
+
+#[test]
+fn angles_of_pieces_next_to_a_fold_have_not_turned() {
+    let w = Workspace::new();
+    // The slider drives: the crank comes within a hundredth of its dead centre.
+    w.write(
+        "s.toml",
+        r#"units = { length = "mm", angle = "deg" }
+duration = 2
+[parameters]
+r = 40
+L = 100
+[inputs]
+h = { keys = [[0, 80], [2, 139.999]] }
+[loops]
+A = "Rz(q) Tx(r) Rz(a) Tx(L) Rz(b) Tx(-h)"
+[guess]
+q = 60
+[measures]
+q1 = { of = "q", take = "last", max = 10 }
+"#,
+    );
+    let arguments = [
+        "tolerance",
+        "s.toml",
+        "--vary",
+        "r,L",
+        "--tolerance",
+        "0.01",
+    ];
+    let more = ["--pieces", "1000", "--json", "-", "--csv", "p.csv"];
+    let run = w.run(&[&arguments[..], &more].concat()).exits(0);
+    let report: Value = serde_json::from_slice(&run.stdout).unwrap();
+    let table = String::from_utf8(w.read("p.csv")).unwrap();
+    let values: Vec<f64> = table
+        .lines()
+        .skip(1)
+        .filter_map(|line| line.split(',').nth(1)?.parse().ok())
+        .collect();
+    // cos q = (h² + r² - L²)/(2 h r): below two degrees for all pieces that reach so far.
+    assert!(values.iter().all(|q| (0.0..2.0).contains(q)), "{values:?}");
+    assert_eq!(
+        values.len() as u64 + report["failed"].as_u64().unwrap(),
+        1000
+    );
+}
+
+#[test]
+fn intervals_are_refused_where_numbers_are_meant() {
+    let w = Workspace::new();
+    for text in ["L=80+-0.5", "L=80±0.5", "L=79..81"] {
+        for verb in ["tolerance", "sensitivity", "modes"] {
+            let run = w.run(&[verb, "slider-crank", "--param", text]).exits(2);
+            let told = &run.stderr;
+            assert!(told.contains("is an interval"), "{verb} {text}: {told}");
+        }
+        w.run(&["enclose", "slider-crank", "--samples", "3", "--param", text])
+            .exits(0);
+    }
+}
+
+#[test]
+fn the_end_of_a_turn_counts_for_angles() {
+    let w = Workspace::new();
+    let scene = crank(30.0, 80.0).replace(
+        "[measures]",
+        "[measures]\nturned = { of = \"phi\", take = \"max\", max = 6 }\nway = { of = \"phi\", take = \"range\" }",
+    );
+    w.write("s.toml", scene);
+    let full = std::f64::consts::TAU;
+    let arguments = ["tolerance", "s.toml", "--vary", "L", "--tolerance", "0.1"];
+    let run = w
+        .run(&[&arguments[..], &["--pieces", "8", "--json", "-"]].concat())
+        .exits(0);
+    let report: Value = serde_json::from_slice(&run.stdout).unwrap();
+    for name in ["turned", "way"] {
+        let nominal = report["measures"][name]["nominal"].as_f64().unwrap();
+        assert!((nominal - full).abs() < 1e-12, "{name}: {nominal}");
+    }
+    assert_eq!(report["good"], 0);
+    let run = w.run(&[
+        "enclose",
+        "s.toml",
+        "--vary",
+        "L",
+        "--tolerance",
+        "0.1",
+        "--samples",
+        "3",
+    ]);
+    run.exits(1);
+}

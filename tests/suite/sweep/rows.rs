@@ -197,3 +197,54 @@ fn plots_are_curves_and_maps() {
         "sweep four-bar --design sobol:8,crank=30..35,ex=0..9,ey=0..9 --outputs K.x --plot a.svg";
     run(&space, three).exits(2).says(&["one or two parameters"]);
 }
+
+/// An offset crank with a rod so short that the crank just turns: at some angles both assemblies are near.
+const SHORT_ROD: &str = r#"units = { length = "mm", angle = "deg" }
+duration = 4
+[parameters]
+L = 61
+[inputs]
+phi = "1+90*t"
+[chains]
+c = "Rz(phi) Tx(40) Rz(a) Tx(L) Rz(b)"
+[loops]
+A = "c inv(Tx(h) Ty(20))"
+[guess]
+h = 90
+[measures]
+ends = { of = "h", take = "change" }
+"#;
+
+#[test]
+fn instants_lie_on_the_motion_from_the_start_of_the_drive() {
+    let space = Workspace::new();
+    space.write("s.toml", SHORT_ROD);
+    // On the assembly with the slider on the positive side: h = x + sqrt(L² - (20 - y)²) at the crank's end (x, y).
+    let truth = |time: f64, rod: f64| {
+        let (y, x) = (1.0 + 90.0 * time).to_radians().sin_cos();
+        let (x, y) = (40.0 * x, 40.0 * y);
+        x + (rod * rod - (20.0 - y) * (20.0 - y)).sqrt()
+    };
+    for unproved in ["", " --unproved"] {
+        for time in [1.0, 3.0, 3.5] {
+            let line = format!(
+                "sweep s.toml --design grid:L=61..70:4 --outputs h --at {time} --out rows.csv{unproved}"
+            );
+            run(&space, &line).exits(0);
+            let table = cells(&space.read("rows.csv"));
+            for row in 0..4 {
+                let rod = number(&column(&table, "L")[row]);
+                let found = number(&column(&table, &format!("h@{time}"))[row]);
+                assert!(
+                    (found - truth(time, rod)).abs() < 1e-9,
+                    "{line}: {rod} {found}"
+                );
+            }
+        }
+    }
+    // Nothing is told of motions that end: with this rod the crank does not pass 270°.
+    run(&space, "sweep s.toml --design grid:L=59.99 --out rows.csv");
+    let table = cells(&space.read("rows.csv"));
+    assert_eq!(column(&table, "status"), ["not-closed"]);
+    assert_eq!(column(&table, "ends"), [""]);
+}
