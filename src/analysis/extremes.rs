@@ -22,6 +22,9 @@ pub fn found_extremes(
             let mut row = gradients.rows[index].clone();
             let mut last: Vec<f64> = Vec::new();
             for _ in 0..ROUNDS {
+                if !row.iter().all(|slope| slope.is_finite()) {
+                    break;
+                }
                 let corner = steepest_corner(nominal, &row, tolerances, sign);
                 if corner == last || cancel.load(Ordering::Relaxed) {
                     break;
@@ -39,9 +42,6 @@ pub fn found_extremes(
                 }
                 row.clone_from(&there.rows[index]);
                 last = corner;
-                if !row.iter().all(|slope| slope.is_finite()) {
-                    break;
-                }
             }
         }
     }

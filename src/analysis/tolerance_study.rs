@@ -39,7 +39,7 @@ impl<'a> ToleranceStudy<'a> {
         batch: SampleBatch,
     ) -> Result<Self, FamilyError> {
         let tolerances = study.tolerances(general)?;
-        let nominal = study.nominal()?;
+        let nominal = study.nominal_of_pieces()?;
         Ok(Self {
             linear: linear_tolerance(&nominal.gradients, &tolerances, batch.distribution),
             corners: Vec::new(),

@@ -64,6 +64,7 @@ impl ChainWalker<'_> {
                 axes: vec![normal.unwrap_or(DVec3::Z)],
                 links: [*base, *other],
                 names: Vec::new(),
+                is_driven: false,
             });
             self.scheme.joints.extend(joints);
         }

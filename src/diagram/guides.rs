@@ -4,7 +4,7 @@ use super::scheme::{QuantitySource, SchemeJoint, SchemeLength, SchemeLink};
 use super::walk::ChainWalker;
 use crate::math::Pose;
 use crate::model::chain::{ArgumentValue, Chain};
-use crate::model::joints::{Joint, JointKind};
+use crate::model::joints::JointKind;
 use glam::{DMat3, DVec3};
 
 /// The block that carries an end.
@@ -18,18 +18,8 @@ pub(super) struct EndBlock {
 impl ChainWalker<'_> {
     /// Notes a link and a sliding joint for every guide, and the length along it; the links are numbered from `number`.
     pub(super) fn note_guides(&mut self, own: &[ArgumentValue], number: usize) -> Vec<EndBlock> {
-        let mechanism = self.mechanism;
-        let table = self.joints.list.iter().flat_map(Joint::arguments);
-        let table: Vec<usize> = table.collect();
         let mut blocks: Vec<EndBlock> = Vec::new();
-        for end in mechanism.bars.iter().flat_map(|bar| &bar.ends) {
-            let Some((before, joint)) = self.ends.guide_of(end) else {
-                continue;
-            };
-            let is_known = blocks.iter().any(|block| block.argument == joint.argument);
-            if is_known || table.contains(&joint.argument) {
-                continue;
-            }
+        for (end, before, joint) in self.ends.guides() {
             // The line of the end is as far beside the step as the end is behind it.
             let steps = &end.carrier.steps;
             let before = Chain {
@@ -60,6 +50,7 @@ impl ChainWalker<'_> {
                 axes: vec![axis],
                 links: [0, link],
                 names: Vec::new(),
+                is_driven: false,
             });
             self.note_way(joint.argument, [from, at], axis);
             blocks.push(EndBlock {

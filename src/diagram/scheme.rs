@@ -56,6 +56,8 @@ pub struct SchemeJoint {
     pub links: [usize; 2],
     /// Its coordinates as written, where they have no arc or line of their own.
     pub names: Vec<String>,
+    /// Whether all of them are driven.
+    pub is_driven: bool,
 }
 
 /// A length with its name.

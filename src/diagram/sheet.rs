@@ -6,7 +6,7 @@ use super::ground::draw_ground;
 use super::ink::{Ink, WantedLabel};
 use super::labels::{PlacedLabel, place_labels};
 use super::lengths::{draw_dimension, draw_vector};
-use super::lettering::{QuantityLettering, valued_name};
+use super::lettering::{QuantityLettering, source_colour, valued_name};
 use super::links::{draw_links, is_one_spot, leaving_direction, number_links, sign_places};
 use super::loops::{draw_frames, draw_loop};
 use super::plane::{DrawingPlane, DrawnSpot, USUAL_WIDTH, facing_axes};
@@ -260,7 +260,11 @@ fn draw_mechanism(
             .filter(|(j, _)| !j.names.is_empty())
         {
             let names: Vec<String> = joint.names.iter().map(|n| written_names(n)).collect();
-            let colour = ink.theme.series[0];
+            let source = match joint.is_driven {
+                true => QuantitySource::Input,
+                false => QuantitySource::Unknown,
+            };
+            let colour = source_colour(source, &ink.theme);
             push_label(
                 ink,
                 names.join(", "),

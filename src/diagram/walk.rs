@@ -5,7 +5,7 @@ use super::shown_links::{link_numbers, rides_on_joints, shown_links};
 use crate::math::Pose;
 use crate::model::bar_ends::BarEnds;
 use crate::model::chain::{ArgumentValue, Chain, ElementaryMotion};
-use crate::model::joints::{JointKind, Joints, Passage};
+use crate::model::joints::{Joint, JointKind, Joints, Passage};
 use crate::model::mechanism::Mechanism;
 use crate::model::notation::{Notation, WrittenChain, WrittenFactor, unsigned_text};
 use glam::DVec3;
@@ -211,6 +211,7 @@ impl<'a> ChainWalker<'a> {
                 ends
             },
             names: Vec::new(),
+            is_driven: self.is_driven(joint),
         });
     }
 
@@ -229,21 +230,21 @@ impl<'a> ChainWalker<'a> {
                 }
                 here = here * Chain { steps: vec![*step] }.pose(own);
             }
+            // One that stands on the frame itself and carries what is drawn.
             let links = [joint.before.link, joint.after.link];
-            if !links
-                .iter()
-                .any(|link| !self.joints_of_link[*link].is_empty())
-            {
+            let carried = links[1];
+            if links[0] != 0 || self.joints_of_link[carried].is_empty() {
                 continue;
             }
-            // A line leads from it to the nearest joint of either link.
-            for link in links.into_iter().filter(|link| *link != 0) {
-                let others = self.joints_of_link[link].iter();
+            // A line leads to the nearest joint of that link, if none of its lines begins here.
+            let size = self.scheme.size;
+            let mut lines = self.scheme.links[carried].paths.iter().take(COMPARED);
+            if !lines.any(|line| is_on(line, at, size)) {
+                let others = self.joints_of_link[carried].iter();
                 let others = others.map(|index| self.scheme.joints[*index].at);
                 let nearest = others.min_by(|a, b| a.distance(at).total_cmp(&b.distance(at)));
-                let far = |other: &DVec3| other.distance(at) > NOTHING * self.scheme.size;
-                if let Some(other) = nearest.filter(far) {
-                    self.scheme.links[link].paths.push(vec![at, other]);
+                if let Some(other) = nearest.filter(|other| other.distance(at) > NOTHING * size) {
+                    self.scheme.links[carried].paths.push(vec![at, other]);
                 }
             }
             let index = self.scheme.joints.len();
@@ -258,8 +259,15 @@ impl<'a> ChainWalker<'a> {
                 axes,
                 links,
                 names: Vec::new(),
+                is_driven: self.is_driven(joint),
             });
         }
+    }
+
+    /// Whether all coordinates of a joint are driven.
+    fn is_driven(&self, joint: &Joint) -> bool {
+        let inputs = self.mechanism.unknowns.len()..;
+        joint.coordinates.iter().all(|slot| inputs.contains(slot))
     }
 
     /// Whether a joint only places the end of a bar.

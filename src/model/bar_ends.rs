@@ -41,6 +41,23 @@ impl<'m> BarEnds<'m> {
         is_shift.then_some((&steps[..place], joint))
     }
 
+    /// The guides of all ends that slide along lines of the frame, where no joint of the mechanism has their coordinate: an end, the
+    /// steps before the one by which it slides, and that.
+    pub fn guides(&self) -> Vec<(&'m BarEnd, &'m [ChainStep], ChainJoint)> {
+        let table = self.mechanism.joints.list.iter().flat_map(Joint::arguments);
+        let mut known: Vec<usize> = table.collect();
+        let mut guides = Vec::new();
+        for end in self.bars().flatten() {
+            if let Some((before, joint)) = self.guide_of(end)
+                && !known.contains(&joint.argument)
+            {
+                known.push(joint.argument);
+                guides.push((end, before, joint));
+            }
+        }
+        guides
+    }
+
     /// The unknowns that only place an end: all of a free one, and of one on a guide those besides the way along it.
     fn helpers_of(&self, end: &'m BarEnd) -> BTreeSet<usize> {
         let mut helpers = self.unknowns_of(end);

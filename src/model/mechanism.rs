@@ -350,7 +350,7 @@ impl Mechanism {
             .unit_words(&self.length_unit, &angle.name, radians)
     }
 
-    /// Which outputs have derivatives: formulas of coordinates, points and other such outputs. Those of distances and of formulas
+    /// Which outputs have first derivatives: distances, and formulas of coordinates, points and other such outputs. Those of formulas
     /// that contain rates themselves are not computed.
     pub fn differentiable_outputs(&self) -> Vec<bool> {
         let first = self.coordinate_count() + 3 * self.traces.len();
@@ -364,7 +364,8 @@ impl Mechanism {
                         .filter_map(|s| s.checked_sub(first));
                     earlier.all(|k| known.get(k) == Some(&true))
                 }
-                OutputSource::Distance(_) | OutputSource::Rated(_) => false,
+                OutputSource::Distance(_) => true,
+                OutputSource::Rated(_) => false,
             });
         }
         known

@@ -77,10 +77,11 @@ fn joint_list(mechanism: &Mechanism) -> String {
     let mut kinds: Vec<(JointKind, usize)> = Vec::new();
     let ends = BarEnds::new(mechanism);
     let real = (mechanism.joints.list.iter()).filter(|joint| !ends.place_joint(joint));
-    for joint in real {
-        match kinds.iter_mut().find(|(kind, _)| *kind == joint.kind) {
+    let guides = ends.guides().into_iter().map(|_| JointKind::Prismatic);
+    for of_joint in real.map(|joint| joint.kind).chain(guides) {
+        match kinds.iter_mut().find(|(kind, _)| *kind == of_joint) {
             Some((_, count)) => *count += 1,
-            None => kinds.push((joint.kind, 1)),
+            None => kinds.push((of_joint, 1)),
         }
     }
     let words = kinds

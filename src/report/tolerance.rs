@@ -130,7 +130,11 @@ impl ToleranceReport<'_> {
             scatter.deviation,
             linear.deviation,
         ];
-        let shown = |v: f64| six_digits(v * unit);
+        // A measure of a singular pose has no derivative.
+        let shown = |v: f64| match v.is_nan() {
+            true => "-".to_owned(),
+            false => six_digits(v * unit),
+        };
         let mut row = vec![measure.name.clone()];
         row.extend(numbers.map(shown));
         row.extend(scatter.quantiles.iter().map(|ends| {

@@ -119,23 +119,13 @@ pub fn placed_joints(mechanism: &Mechanism) -> Vec<PlacedJoint> {
         .filter(|(_, floats)| !floats);
     let jointed = jointed.filter(|((j, _), _)| !j.is_placed && !ends.place_joint(j));
     let jointed = jointed.filter_map(|((joint, shift), _)| place_joint(joint, shift));
-    jointed.chain(guided_ends(mechanism, &ends)).collect()
+    jointed.chain(guided_ends(&ends)).collect()
 }
 
 /// The guides of ends that slide along lines of the frame, where no joint of the table has their coordinate.
-fn guided_ends(mechanism: &Mechanism, ends: &BarEnds) -> Vec<PlacedJoint> {
-    let mut known: Vec<usize> = Vec::new();
-    let table = mechanism.joints.list.iter().flat_map(Joint::arguments);
-    known.extend(table);
+fn guided_ends(ends: &BarEnds) -> Vec<PlacedJoint> {
     let mut guides = Vec::new();
-    for end in ends.bars().flatten() {
-        let Some((before, joint)) = ends.guide_of(end) else {
-            continue;
-        };
-        if known.contains(&joint.argument) {
-            continue;
-        }
-        known.push(joint.argument);
+    for (end, before, joint) in ends.guides() {
         // What stands behind the step is carried along: the line of the end is as far beside it.
         let behind = Chain {
             steps: end.carrier.steps[before.len() + 1..].to_vec(),

@@ -141,7 +141,7 @@ impl Evaluator<'_> {
         Ok(Gradients { measures, rows })
     }
 
-    /// Derivatives of the quantities `shown` of every pose by the variables; none at singular poses.
+    /// Derivatives of the quantities `shown` of every pose by the variables; NaN for those of unknowns at singular poses.
     pub(super) fn changes(
         &self,
         track_poses: &TrackPoses,
@@ -159,12 +159,19 @@ impl Evaluator<'_> {
         let variables = self.variables();
         let needed = self.needed_slots();
         let work = |index: usize| {
-            if track_poses.is_singular(index) {
-                return None;
-            }
+            // At a singular pose the unknowns have no derivatives; what does not depend on them has.
+            let own = &sensitivities[index];
+            let unknown;
+            let own = match track_poses.is_singular(index) {
+                true => {
+                    unknown = vec![f64::NAN; own.len()];
+                    &unknown
+                }
+                false => own,
+            };
             let slots = &shown[index].slots;
             let slots = (&slots[..], &needed[..]);
-            let slopes = MeasureSlopes::new(mechanism, &variables, slots, &sensitivities[index]);
+            let slopes = MeasureSlopes::new(mechanism, &variables, slots, own);
             self.changes_at(index, &track_poses.poses[index], slopes)
         };
         let poses = track_poses.poses.len();

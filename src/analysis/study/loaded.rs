@@ -3,7 +3,7 @@
 use super::family::{Nominal, ParametricMechanism};
 use super::family_error::FamilyError;
 use super::gradient::Gradients;
-use super::track_poses::{Evaluator, TrackPoses};
+use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::diag::Source;
 use crate::scene::{Overrides, Scene, load_scene};
 
@@ -103,13 +103,36 @@ impl LoadedStudy {
     /// # Errors
     /// A pose that does not exist, or a measure without a value.
     pub fn nominal(&self) -> Result<NominalStudy, FamilyError> {
+        let found = self.nominal_of_pieces()?;
+        let names = self.family.measures.list.iter().map(|m| &m.name);
+        let lacks = |row: &Vec<f64>| row.iter().any(|slope| !slope.is_finite());
+        match names.zip(&found.gradients.rows).find(|(_, row)| lacks(row)) {
+            Some((name, _)) => Err(Evaluator::new(&self.family)
+                .refused_start(&found.poses, &Rejection::NoDerivative(name.clone()))),
+            None => Ok(found),
+        }
+    }
+
+    /// The same where measures may lack derivatives, which are NaN then: pieces have values all the same.
+    ///
+    /// # Errors
+    /// A pose that does not exist, or a measure without a value.
+    pub fn nominal_of_pieces(&self) -> Result<NominalStudy, FamilyError> {
         let mut evaluator = Evaluator::new(&self.family);
         let drawn = self.family.nominal()?;
         let poses = evaluator.nominal(drawn.poses.clone());
-        let poses = poses.passing_singular(drawn.singular.is_some());
-        let gradients = evaluator
-            .gradients(&poses)
-            .map_err(|rejection| evaluator.refused_start(&poses, &rejection))?;
+        let poses = poses.passing_singular(drawn.singular.map(|passage| passage.behind));
+        let gradients = evaluator.gradients_with_gaps(&poses);
+        let names = self.family.measures.list.iter().map(|m| &m.name);
+        let gradients = gradients.and_then(|found| {
+            let mut values = names.zip(&found.measures);
+            match values.find(|(_, value)| !value.is_finite()) {
+                Some((name, _)) => Err(Rejection::NoValue(name.clone())),
+                None => Ok(found),
+            }
+        });
+        let gradients =
+            gradients.map_err(|rejection| evaluator.refused_start(&poses, &rejection))?;
         Ok(NominalStudy {
             drawn,
             poses,

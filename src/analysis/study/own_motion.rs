@@ -14,25 +14,32 @@ impl Evaluator<'_> {
         track_poses: &TrackPoses,
         values: &[f64],
     ) -> Result<TrackPoses, Rejection> {
-        if track_poses.passes_singular {
-            return self.moved_alone(track_poses, values);
-        }
-        let rejection = match self.approach(track_poses, values) {
-            Ok(reached) => return Ok(reached),
-            Err(rejection) => rejection,
+        let rejection = match track_poses.behind_singular {
+            Some(behind) => {
+                let (track, pose) = self.family.place_of(behind);
+                Rejection::NotReached { track, pose }
+            }
+            None => match self.approach(track_poses, values) {
+                Ok(reached) => return Ok(reached),
+                Err(rejection) => rejection,
+            },
         };
-        let known = track_poses.values.iter().zip(values);
-        let change: Vec<f64> = known.map(|(a, b)| b - a).collect();
-        // Steps begin from known sensitivities.
-        let mut next = 0..track_poses.sensitivities().map_or(0, <[_]>::len);
-        let near = next.find_map(|k| Some((k, self.pose(track_poses, k, &change, values)?)));
-        let Some((index, near)) = near else {
+        let near = self.next_to_known(track_poses, values);
+        let start = near.as_ref();
+        let start = start.and_then(|(index, near)| self.led_back(track_poses, *index, near));
+        // Where all known poses lie behind the singular one, the start values alone say where the piece begins.
+        if near.is_none() && track_poses.behind_singular != Some(0) {
             return Err(rejection);
-        };
-        let start = self.led_back(track_poses, index, &near);
+        }
         let poses = self.own_motion(values, start).ok_or(rejection.clone())?;
-        let is_that = is_one_pose(self.family.mechanism(), &poses[index], &near);
-        let mut pairs = poses.iter().enumerate();
+        let is_that = near
+            .is_none_or(|(index, near)| is_one_pose(self.family.mechanism(), &poses[index], &near));
+        // Behind a singular pose a piece may be on either side of it.
+        let compared = match track_poses.behind_singular {
+            Some(_) => 0,
+            None => poses.len(),
+        };
+        let mut pairs = poses.iter().enumerate().take(compared);
         let is_there = |(k, pose): (usize, &Vec<f64>)| {
             let (signs, _) = self.side(pose);
             track_poses.has_side(k, &signs)
@@ -43,24 +50,19 @@ impl Evaluator<'_> {
         }
     }
 
-    /// The poses of a piece along its own motion, from a start on the side of the known one.
-    fn moved_alone(
+    /// A pose of a piece that is one step from a known, regular one, before all of them pass a singular pose.
+    fn next_to_known(
         &mut self,
         track_poses: &TrackPoses,
         values: &[f64],
-    ) -> Result<TrackPoses, Rejection> {
-        let poses = self.own_motion(values, None);
-        let starts_there = |poses: &Vec<Vec<f64>>| {
-            let first = poses.first().map(|pose| self.side(pose).0);
-            first.as_ref() == track_poses.signs.first()
-        };
-        match poses.filter(starts_there) {
-            Some(poses) => Ok(track_poses.approached(values.to_vec(), poses)),
-            None => {
-                let (track, pose) = self.family.place_of(0);
-                Err(Rejection::NotReached { track, pose })
-            }
-        }
+    ) -> Option<(usize, Vec<f64>)> {
+        let known = track_poses.values.iter().zip(values);
+        let change: Vec<f64> = known.map(|(a, b)| b - a).collect();
+        // Steps begin from known sensitivities.
+        let count = track_poses.sensitivities().map_or(0, <[_]>::len);
+        let count = track_poses.behind_singular.map_or(count, |k| k.min(count));
+        let mut regular = (0..count).filter(|k| !track_poses.is_singular(*k));
+        regular.find_map(|k| Some((k, self.pose(track_poses, k, &change, values)?)))
     }
 
     /// All poses along the motion of a piece, from these start values, if there are some; `None` if it has none as a whole.

@@ -43,9 +43,9 @@ pub struct TrackPoses {
     pub(super) signs: Vec<Vec<i8>>,
     /// Smallest singular value of every pose with the file's values.
     sigmas: Vec<f64>,
-    /// Whether pieces are followed along their own motions only: these poses pass a singular one, from which a piece may go on in
-    /// another assembly.
-    pub(super) passes_singular: bool,
+    /// The first pose behind a singular one, from which a piece may go on in another assembly: pieces are then followed along their
+    /// own motions only.
+    pub(super) behind_singular: Option<usize>,
 }
 
 impl TrackPoses {
@@ -63,21 +63,21 @@ impl TrackPoses {
             sensitivities: Vec::new(),
             signs: self.signs.clone(),
             sigmas: self.sigmas.clone(),
-            passes_singular: self.passes_singular,
+            behind_singular: self.behind_singular,
         }
     }
 
-    /// The same, which pass a singular pose or do not.
-    pub(super) fn passing_singular(self, passes_singular: bool) -> Self {
+    /// The same, of which this one is the first behind a singular one.
+    pub(super) fn passing_singular(self, behind_singular: Option<usize>) -> Self {
         Self {
-            passes_singular,
+            behind_singular,
             ..self
         }
     }
 
     /// Whether these poses pass a singular one, so that pieces are followed along their own motions.
     pub fn passes_singular(&self) -> bool {
-        self.passes_singular
+        self.behind_singular.is_some()
     }
 
     /// Whether the poses are those of another way to the same values, except for rounding and full turns.
@@ -182,7 +182,7 @@ impl<'f> Evaluator<'f> {
             signs,
             sigmas,
             poses,
-            passes_singular: false,
+            behind_singular: None,
         })
     }
 

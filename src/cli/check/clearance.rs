@@ -24,7 +24,11 @@ use std::path::Path;
 const MOST_CURVES: usize = 5;
 
 /// Refuses to report clearances of a scene that requests none.
-pub fn refuse_without_rules(args: &CheckArgs, scene: &Scene) -> Result<(), Failure> {
+pub fn refuse_without_rules(
+    args: &CheckArgs,
+    own: &[(String, f64)],
+    scene: &Scene,
+) -> Result<(), Failure> {
     let options = [
         ("--csv", &args.csv),
         ("--plot", &args.plot),
@@ -34,6 +38,7 @@ pub fn refuse_without_rules(args: &CheckArgs, scene: &Scene) -> Result<(), Failu
     let asked = options.into_iter().find(|(_, path)| path.is_some());
     let asked = asked.map(|(option, _)| option);
     let asked = asked.or(args.made_within.map(|_| "--made-within"));
+    let asked = asked.or(own.first().map(|_| "an interval of a dimension"));
     match asked.filter(|_| scene.clearance.is_none()) {
         None => Ok(()),
         Some(option) => Err(Failure::without_clearance(format!(

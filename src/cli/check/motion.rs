@@ -26,7 +26,7 @@ pub fn check_motion(
 ) -> Result<CheckAnswer, Failure> {
     let OpenScene { scene, system, .. } = opened;
     let actuation = &scene.actuation;
-    clearance::refuse_without_rules(args, scene)?;
+    clearance::refuse_without_rules(args, own, scene)?;
     let times = asked_times(&args.asked, &args.scene, scene);
     let mut check = motion_check(&args.asked, opened, &times, args.swept.is_some());
     let with_pieces = args.made_within.is_some() || !own.is_empty();

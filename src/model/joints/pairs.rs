@@ -227,7 +227,7 @@ impl<'a> PairRows<'a> {
             let [a, b] = [&pair[0], &pair[1]].map(|c| &self.coordinates[c.edge]);
             a == b && a.len() == 1 && pair.iter().all(|c| self.is_affine[c.edge])
         });
-        if !self.are_alone(crossings, is_coupled) || self.is_partly_driven(crossings) {
+        if !self.are_alone(crossings, is_coupled) {
             return None;
         }
         let corners: Option<Vec<PairCorner>> =
@@ -245,12 +245,9 @@ impl<'a> PairRows<'a> {
                     JointKind::Cylindrical
                 })
             }
-            // About other axes than these three rotations do not reach every rotation.
             ([Rotation, Rotation, Rotation], [one, other])
                 if one.meets()
                     && other.meets()
-                    && one.is_right()
-                    && other.is_right()
                     && (one.behind - other.before).abs() <= EXACT * one.size.max(other.size) =>
             {
                 Some(JointKind::Spherical)
@@ -261,15 +258,6 @@ impl<'a> PairRows<'a> {
             }
             _ => None,
         }
-    }
-
-    /// Whether some of these motions are driven and others follow: a motor turns a joint of its own.
-    fn is_partly_driven(&self, crossings: &[LoopCrossing]) -> bool {
-        let is_driven = |crossing: &LoopCrossing| {
-            let mut slots = self.coordinates[crossing.edge].iter();
-            slots.all(|slot| *slot >= self.first_input)
-        };
-        crossings.iter().any(is_driven) && !crossings.iter().all(is_driven)
     }
 
     /// Whether the coordinates of successive motions appear nowhere else, and each in only one of them (for coupled

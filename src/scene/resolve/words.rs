@@ -12,7 +12,7 @@ pub const TIME: &str = "t";
 const RESERVED: [&str; 7] = [TIME, "pi", "π", "E", "inv", "nan", "inf"];
 
 /// Columns that tables of motions and of sweeps have besides the names of a scene.
-const COLUMNS: [&str; 19] = [
+const COLUMNS: [&str; 23] = [
     "time",
     "closure_error",
     "sigma_min",
@@ -32,6 +32,10 @@ const COLUMNS: [&str; 19] = [
     "design",
     "feasible",
     "unproved",
+    "passed",
+    "clearance_margin",
+    "proved_margin",
+    "piece",
 ];
 
 /// What is wrong with a name of a coordinate, an output or a measure, each of which is a column: that tables have it already.

@@ -276,3 +276,74 @@ fn the_end_of_a_turn_counts_for_angles() {
     ]);
     run.exits(1);
 }
+
+/// A parallelogram that starts folded flat.
+const FOLDED: &str = r#"units = { length = "mm" }
+duration = 4
+[parameters]
+a = 40
+b = 100
+c = 40
+d = 100
+[inputs]
+phi = "2*pi*t/4"
+[chains]
+T1 = "Rz(phi) Tx(a) Rz(alpha) Tx(b)"
+T2 = "Tx(d) Rz(psi) Tx(c)"
+[loops]
+A = "T1 Rz(mu) inv(T2)"
+[guess]
+psi = 0
+[measures]
+low = { of = "sin(psi)", take = "min" }
+[study.variables]
+c = { range = [1, 500], tolerance = 0.1 }
+"#;
+
+#[test]
+fn pieces_begin_where_the_known_poses_are_however_flat_the_start() {
+    let w = Workspace::new();
+    // From the fold, and along a track that lies wholly behind the next one.
+    let behind = FOLDED
+        .replace("duration = 4", "duration = 1")
+        .replace("2*pi*t/4", "0.5 + 4.5*t")
+        .replace("psi = 0\n", "psi = 0.5\nalpha = -0.5\nmu = 0.5\n")
+        .replace(
+            "[measures]\nlow = { of = \"sin(psi)\", take = \"min\" }",
+            "[tracks.R]\nsamples = 11\ninputs = { phi = [4, 5] }\n[measures]\nh = { track = \"R\", of = \"psi\", take = \"first\" }",
+        );
+    let starts = ["0", "0.1", "0.4", "0.8"]
+        .map(|psi| FOLDED.replace("psi = 0\n", &format!("psi = {psi}\n")));
+    for scene in starts.iter().chain([&behind]) {
+        w.write("s.toml", scene);
+        let arguments = ["tolerance", "s.toml", "--pieces", "100", "--json", "-"];
+        let report: Value = serde_json::from_slice(&w.run(&arguments).exits(0).stdout).unwrap();
+        // Those turn fully whose last link is longer than the crank: half of them.
+        let failed = report["failed"].as_u64().unwrap();
+        assert!((30..=70).contains(&failed), "{scene}: {failed}");
+    }
+}
+
+#[test]
+fn a_singular_pose_takes_no_derivative_from_what_does_not_depend_on_it() {
+    let w = Workspace::new();
+    let measures = "[measures]\nq = { of = \"c\", take = \"first\" }\nv = { of = \"phi\", take = \"min\" }\nu = { of = \"psi\", take = \"first\" }";
+    let scene = FOLDED.replace("2*pi*t/4", "t/2").replace(
+        "[measures]\nlow = { of = \"sin(psi)\", take = \"min\" }",
+        measures,
+    );
+    w.write("s.toml", &scene);
+    let arguments = ["tolerance", "s.toml", "--pieces", "20", "--json", "-"];
+    let report: Value = serde_json::from_slice(&w.run(&arguments).exits(0).stdout).unwrap();
+    let sums = ["q", "v", "u"].map(|name| report["measures"][name]["linear_sum"].as_f64());
+    assert_eq!(sums, [Some(0.1), Some(0.0), None]);
+    // Asked for all derivatives, the one that does not exist is named.
+    w.run(&["sensitivity", "s.toml"])
+        .exits(2)
+        .says(&["`u` has no derivative"]);
+    w.write(
+        "s.toml",
+        scene.replace("\nu = { of = \"psi\", take = \"first\" }", ""),
+    );
+    w.run(&["sensitivity", "s.toml"]).exits(0);
+}
