@@ -47,7 +47,7 @@ pub fn taken_by_tables(word: &str, place: &Span) -> Option<Diagnostic> {
             }
             _ => "choose another name".to_owned(),
         };
-        Diagnostic::error(format!("`{word}` is a column of every table"))
+        Diagnostic::error(format!("`{word}` is a column of tables"))
             .at(place.clone())
             .hint(hint)
     })

@@ -248,3 +248,42 @@ fn instants_lie_on_the_motion_from_the_start_of_the_drive() {
     assert_eq!(column(&table, "status"), ["not-closed"]);
     assert_eq!(column(&table, "ends"), [""]);
 }
+
+/// The columns that tables have besides a scene's names, as they are written, are names that no scene may give.
+#[test]
+fn columns_of_tables_are_no_names() {
+    let space = Workspace::new();
+    let lines = [
+        "solve bennett --samples 3 --certify motion --out t.csv",
+        "sweep bennett --design grid:a=100 --outputs t2 --at 0 --out t.csv",
+        "sweep four-bar --design grid:crank=30 --check --out t.csv",
+        "tolerance gearshift --tolerance 0.1 --pieces 2 --csv t.csv",
+    ];
+    let mut tried = 0;
+    for line in lines {
+        run(&space, line);
+        let scene = line.split(' ').nth(1).unwrap();
+        let text = run(&space, &format!("new copy.toml --from {scene}"));
+        text.exits(0);
+        let own = String::from_utf8(space.read("copy.toml")).unwrap();
+        std::fs::remove_file(space.path("copy.toml")).unwrap();
+        for column in &cells(&space.read("t.csv"))[0] {
+            let is_word = column.chars().all(|c| c.is_alphanumeric() || c == '_');
+            let is_own = own
+                .split(|c: char| !c.is_alphanumeric() && c != '_')
+                .any(|w| w == column);
+            if !is_word || is_own {
+                continue;
+            }
+            tried += 1;
+            space.write(
+                "n.toml",
+                format!("[parameters]\n{column} = 2\n[loops]\nA = \"Tx({column}) Tx(-x)\"\n"),
+            );
+            run(&space, "check n.toml")
+                .exits(2)
+                .says(&["is a column of tables"]);
+        }
+    }
+    assert!(tried > 20, "{tried}");
+}
