@@ -1,20 +1,20 @@
 //! Derivatives of measures with respect to dimensions.
 
 use super::error::Error;
-use crate::analysis::study::{Gradients, LoadedStudy};
+use crate::analysis::study::{LoadedStudy, NominalStudy};
 use crate::report::sensitivity::SensitivityTable;
 
 /// The exact derivatives of all measures of a study with respect to all variables. Returned by
 /// [`Study::sensitivity`](crate::Study::sensitivity).
 pub struct Sensitivity {
     study: LoadedStudy,
-    gradients: Gradients,
+    nominal: NominalStudy,
 }
 
 impl Sensitivity {
     pub(super) fn of(study: LoadedStudy) -> Result<Self, Error> {
-        let gradients = study.nominal()?.gradients;
-        Ok(Self { study, gradients })
+        let nominal = study.nominal()?;
+        Ok(Self { study, nominal })
     }
 
     /// The variables, sorted by decreasing derivative of the objective, or of the first measure if there is no
@@ -40,7 +40,11 @@ impl Sensitivity {
     /// ```
     pub fn measures(&self) -> Vec<(&str, f64)> {
         let family = &self.study.family;
-        let pairs = family.measures.list.iter().zip(&self.gradients.measures);
+        let pairs = family
+            .measures
+            .list
+            .iter()
+            .zip(&self.nominal.gradients.measures);
         let shown = pairs.map(|(m, value)| (m.name.as_str(), family.shown(m, *value)));
         shown.collect()
     }
@@ -93,6 +97,6 @@ impl Sensitivity {
     }
 
     fn table(&self) -> SensitivityTable<'_> {
-        SensitivityTable::new(&self.study.family, &self.gradients, self.rank(), None)
+        SensitivityTable::new(&self.study.family, &self.nominal, self.rank(), None)
     }
 }

@@ -38,7 +38,9 @@ pub(super) struct BoundSearch {
 impl BoundSearch {
     /// Adds the result for the shapes of a sweep.
     fn take(&mut self, report: Option<PairReport>, sweep: &PairSweep) {
-        let nominal = report.as_ref().map(|report| report.least.distance);
+        let nominal = report
+            .as_ref()
+            .map(|report| [report.least.distance, report.least.time]);
         self.parts
             .extend(nominal.map(|nominal| sweep.part(nominal)));
         self.judged.extend(report);
@@ -208,7 +210,9 @@ impl<'a> AskedPair<'a> {
         if let Some(down_to) = ignored.down_to {
             let deep = out.with_minimum(down_to);
             let report = judge_minimum(motion, &deep, down_to);
-            let nominal = report.as_ref().map(|report| report.least.distance);
+            let nominal = report
+                .as_ref()
+                .map(|report| [report.least.distance, report.least.time]);
             found
                 .parts
                 .extend(nominal.map(|nominal| deep.part(nominal)));

@@ -106,6 +106,8 @@ pub struct ProvedMotion<'m> {
     pub roots: usize,
     /// Times between samples that could not be followed.
     pub gaps: Vec<[f64; 2]>,
+    /// Samples from or to which the drive jumps, seconds: what is proved of the motion on both sides is not connected there.
+    pub jumps: Vec<f64>,
     /// Whether all sampled poses are.
     has_certified_poses: bool,
     /// Bound on the deviation of the samples' unknowns from the exact pose: lengths, and angles times the size.
@@ -163,6 +165,7 @@ impl<'m> ProvedMotion<'m> {
             stretches: Vec::new(),
             roots: 0,
             gaps: Vec::new(),
+            jumps: Vec::new(),
             has_certified_poses: trajectory.poses().all(|p| p.certificate.bounds().is_some()),
             pose_error: pose_error(mechanism.size, trajectory),
             anew: HashSet::new(),
@@ -186,6 +189,7 @@ impl<'m> ProvedMotion<'m> {
                     let place = motion.samples.len();
                     motion.samples.extend(here);
                     let pair = &trajectory.samples[k - 1..=k];
+                    motion.note_jumps(pair[0].time, pair[1].time);
                     let is_joined = if motion.is_late() {
                         motion.leave_out(pair[0].time, pair[1].time);
                         false
@@ -340,6 +344,16 @@ impl<'m> ProvedMotion<'m> {
         match self.gaps.last_mut() {
             Some(gap) if gap[1] == from => gap[1] = to,
             _ => self.gaps.push([from, to]),
+        }
+    }
+
+    fn note_jumps(&mut self, from: f64, to: f64) {
+        let jumps = self.prover.jumps_between(from, to);
+        let found = [(jumps.at_start, from), (jumps.at_end, to)];
+        for (_, time) in found.into_iter().filter(|(is_found, _)| *is_found) {
+            if self.jumps.last() != Some(&time) {
+                self.jumps.push(time);
+            }
         }
     }
 

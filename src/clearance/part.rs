@@ -18,8 +18,8 @@ pub struct JudgedPart {
     pub minimum: f64,
     /// By how much a bound may stay below the minimum of a pair that passes.
     pub slack: f64,
-    /// The least distance found of the motion as drawn.
-    pub nominal: f64,
+    /// The least distance found of the motion as drawn, and when, in seconds.
+    pub nominal: [f64; 2],
 }
 
 /// What is known of two bodies for all pieces.
@@ -90,7 +90,7 @@ impl PieceClearance {
 
 impl PairSweep<'_> {
     /// The two bodies as they are judged.
-    pub(super) fn part(&self, nominal: f64) -> JudgedPart {
+    pub(super) fn part(&self, nominal: [f64; 2]) -> JudgedPart {
         JudgedPart {
             bodies: self.bodies,
             hulls: self.hulls.map(BodyElements::clone),

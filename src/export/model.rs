@@ -4,6 +4,13 @@ use crate::geometry::Mesh;
 use crate::math::Pose;
 use glam::{DMat3, DVec3};
 
+/// A shape is changed visibly by corners that move by this fraction of it.
+const VISIBLE: f64 = 1e-4;
+
+/// Digits of coordinates relative to the smallest body, and most decimals of a text.
+const DIGITS: f64 = 8.0;
+const MOST_DECIMALS: f64 = 17.0;
+
 /// Shapes and where they are at every key.
 #[derive(Clone, Debug)]
 pub struct ExportModel {
@@ -78,5 +85,37 @@ impl ExportModel {
             let pose = body.poses.first().copied().unwrap_or(Pose::IDENTITY);
             body.parts.iter().map(move |part| (body, part, pose))
         })
+    }
+
+    /// Length of the diagonal of the smallest body's box, and the largest coordinate, at the first key.
+    fn extent(&self) -> Option<[f64; 2]> {
+        let (mut smallest, mut largest) = (f64::INFINITY, 0.0_f64);
+        for body in &self.bodies {
+            let pose = body.poses.first().copied().unwrap_or(Pose::IDENTITY);
+            let positions = body.parts.iter().flat_map(|part| &part.mesh.positions);
+            let mut bounds: Option<[DVec3; 2]> = None;
+            for point in positions.map(|point| pose.transform_point(*point)) {
+                let [low, high] = bounds.unwrap_or([point; 2]);
+                bounds = Some([low.min(point), high.max(point)]);
+                largest = largest.max(point.abs().max_element());
+            }
+            if let Some([low, high]) = bounds {
+                smallest = smallest.min(low.distance(high));
+            }
+        }
+        (smallest.is_finite() && smallest > 0.0).then_some([smallest, largest])
+    }
+
+    /// How far single precision moves a corner, if that changes the shape of the smallest body: of files that have no other.
+    pub fn coarse_rounding(&self) -> Option<f64> {
+        let [smallest, largest] = self.extent()?;
+        let moved = largest * f64::from(f32::EPSILON) / 2.0;
+        (moved > VISIBLE * smallest).then_some(moved)
+    }
+
+    /// Decimals that tell corners of the smallest body apart.
+    pub fn decimals(&self) -> usize {
+        let [smallest, _] = self.extent().unwrap_or([1.0; 2]);
+        (DIGITS - libm::log10(smallest).floor()).clamp(0.0, MOST_DECIMALS) as usize
     }
 }

@@ -87,6 +87,7 @@ fn obj_lines(model: &ExportModel, library: Option<&str>, file: &mut dyn Write) -
     if let Some(library) = library {
         writeln!(file, "mtllib {library}")?;
     }
+    let decimals = model.decimals();
     // Corners are counted from 1 over the whole file.
     let mut base = 1;
     let mut object = None;
@@ -97,7 +98,8 @@ fn obj_lines(model: &ExportModel, library: Option<&str>, file: &mut dyn Write) -
         }
         let [r, g, b] = part.colour.map(|c| f32::from(c) / 255.0);
         for point in &part.mesh.positions {
-            let [x, y, z] = narrow_vector(pose.transform_point(*point));
+            let point = pose.transform_point(*point).to_array();
+            let [x, y, z] = point.map(|coordinate| decimal(coordinate, decimals));
             writeln!(file, "v {x} {y} {z} {r:.4} {g:.4} {b:.4}")?;
         }
         for normal in &part.mesh.normals {
@@ -114,6 +116,15 @@ fn obj_lines(model: &ExportModel, library: Option<&str>, file: &mut dyn Write) -
         base += part.mesh.positions.len();
     }
     Ok(())
+}
+
+/// A number with at most so many decimals.
+fn decimal(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
 }
 
 fn one_line(text: &str) -> String {

@@ -196,7 +196,7 @@ pub fn state_class(status: Status) -> &'static str {
         Status::Skipped => "faint",
         Status::Passed => "passed",
         Status::NotProved => "open",
-        Status::Failed | Status::NotClosed => "failed",
+        Status::Failed | Status::NotClosed | Status::Unreadable => "failed",
     }
 }
 

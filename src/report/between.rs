@@ -26,6 +26,8 @@ pub struct BetweenSamples {
     closes_to: Option<f64>,
     /// Whether the time of the run ended the proof.
     is_cut_off: bool,
+    /// When the drive jumps, seconds.
+    jumps: Vec<f64>,
 }
 
 impl BetweenSamples {
@@ -37,7 +39,14 @@ impl BetweenSamples {
             duration,
             closes_to,
             is_cut_off: false,
+            jumps: Vec::new(),
         }
+    }
+
+    /// The same for a drive that jumps at these times.
+    pub fn between_jumps(self, jumps: &[f64]) -> Self {
+        let jumps = jumps.to_vec();
+        Self { jumps, ..self }
     }
 
     /// The same if the time of the run may have ended the proof.
@@ -63,13 +72,20 @@ impl BetweenSamples {
                 .to_owned();
         };
         let Some([first, _]) = places.first() else {
-            return "proved everywhere".to_owned() + &self.of_redundant(mechanism, "");
+            let place = match self.jumps.is_empty() {
+                true => "proved everywhere".to_owned(),
+                false => format!("proved everywhere except over {}", self.jumps_in_words()),
+            };
+            return place + &self.of_redundant(mechanism, "");
         };
         let inputs = sentences::input_sentence(mechanism, &actuation.inputs_at(*first));
         let mut why = match self.is_cut_off {
             true => "; the limit `time` ended the proof".to_owned(),
             false => String::new(),
         };
+        if !self.jumps.is_empty() {
+            why += &format!("; not proved over {} either", self.jumps_in_words());
+        }
         if let Some(name) = self.unbounded_input(mechanism, actuation) {
             why += &format!("; input `{name}` may be without a value or a bound there");
         }
@@ -82,12 +98,21 @@ impl BetweenSamples {
         )
     }
 
+    fn jumps_in_words(&self) -> String {
+        let first = self.jumps.first().copied().unwrap_or_default();
+        let time = decimals_of(first, 9);
+        match self.jumps.len() {
+            1 => format!("the drive's jump at t = {time} s"),
+            count => format!("{count} jumps of the drive, the first at t = {time} s"),
+        }
+    }
+
     /// The question whether the motion is proved between the samples. A proof was not asked for, so that the check passes
     /// without it if most is proved, or nothing could be examined.
     pub fn case(&self, mechanism: &Mechanism, actuation: &Actuation) -> Case {
         let status = match &self.unproved {
             None => Status::Skipped,
-            Some(places) if places.is_empty() => Status::Passed,
+            Some(places) if places.is_empty() && self.jumps.is_empty() => Status::Passed,
             Some(_) if self.unbounded_input(mechanism, actuation).is_some() => Status::NotProved,
             Some(places) if together(places) <= LARGEST_SHARE * self.duration => Status::Skipped,
             Some(_) => Status::NotProved,
@@ -114,7 +139,7 @@ impl BetweenSamples {
     }
 
     fn is_proved(&self) -> bool {
-        self.unproved.as_ref().is_some_and(Vec::is_empty)
+        self.unproved.as_ref().is_some_and(Vec::is_empty) && self.jumps.is_empty()
     }
 
     /// For the JSON report; null if the motion was not examined.
@@ -128,6 +153,7 @@ impl BetweenSamples {
             "places": places.len(),
             "seconds": together(places),
             "closes_to": self.closes_to,
+            "jumps": self.jumps.iter().take(MOST_LISTED).collect::<Vec<_>>(),
             "cut_off": self.is_cut_off && !self.is_proved(),
             "stepped_over": listed.collect::<Vec<_>>(),
         })

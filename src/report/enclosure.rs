@@ -221,7 +221,11 @@ pub fn enclosure_document(
             .map(|(measure, band)| {
                 let side =
                     |v: f64, side: f64| value(bounded_number(v, measure.kind, mechanism, side));
-                let ends = json!({ "lo": side(band.lo, -1.0), "hi": side(band.hi, 1.0) });
+                let ends = json!({
+                    "lo": side(band.lo, -1.0),
+                    "hi": side(band.hi, 1.0),
+                    "at_all_times": band.at_all_times,
+                });
                 (measure.name.clone(), ends)
             })
             .collect();
@@ -377,7 +381,13 @@ pub fn measure_lines(plan: &TolerancePlan, bands: &[MeasureBand]) -> String {
         let kept = measure.allows(band.lo) && measure.allows(band.hi);
         let verdict = match (limits.is_empty(), kept) {
             (true, _) => String::new(),
-            (false, true) => format!("{}: kept by every piece at these poses", limits.join(", ")),
+            (false, true) => {
+                let when = match band.at_all_times {
+                    true => "at all times",
+                    false => "at these poses",
+                };
+                format!("{}: kept by every piece {when}", limits.join(", "))
+            }
             (false, false) => format!("{}: not proved", limits.join(", ")),
         };
         rows.push(vec![measure.name.clone(), shown(lo), shown(hi), verdict]);

@@ -41,7 +41,7 @@ fn suite_totals(cases: &[&Case], seconds: f64) -> String {
         "tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" time=\"{seconds:.3}\"",
         cases.len(),
         count(&[Status::Failed, Status::NotClosed]),
-        count(&[Status::NotProved]),
+        count(&[Status::NotProved, Status::Unreadable]),
         count(&[Status::Skipped]),
     )
 }
@@ -61,6 +61,9 @@ fn case_element(case: &Case) -> String {
         Status::Skipped => format!("<skipped message=\"{text}\"/>"),
         Status::NotProved => {
             format!("<error type=\"not-proved\" message=\"{text}\">{text}</error>")
+        }
+        Status::Unreadable => {
+            format!("<error type=\"cannot-be-checked\" message=\"{text}\">{text}</error>")
         }
         Status::Failed => format!("<failure type=\"failed\" message=\"{text}\">{text}</failure>"),
         Status::NotClosed => {

@@ -173,6 +173,7 @@ impl<'a> MotionCheck<'a> {
                 let [first, last] = covered.proved().span();
                 let closes_to = covered.proved().closes_to();
                 BetweenSamples::new(unproved, last - first, closes_to)
+                    .between_jumps(&covered.proved().jumps)
                     .cut_off(covered.proved().is_late())
             });
         let report = MotionReport::new(driven, trajectory, self.asked, &measured, clearances)

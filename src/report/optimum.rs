@@ -61,6 +61,7 @@ impl OptimumReport<'_> {
         let (minimum, refusals) = (&optimum.minimum, &optimum.refusals);
         let (first, last) = (optimum.first_value, minimum.value);
         let change = match first / last {
+            _ if !first.is_finite() => "the start has no value".to_owned(),
             // Factors mean something between positive numbers only.
             factor if first > 0.0 && factor >= 1.0 && factor.is_finite() => {
                 format!("lower by a factor of {}", six_digits(factor))
@@ -71,10 +72,13 @@ impl OptimumReport<'_> {
             _ => format!("by {}", six_digits((last - first) * unit)),
         };
         format!(
-            "{}\n  {name}: {} to {} ({change})\n  \
+            "{}\n  {name}: {}{} ({change})\n  \
              {}: {} iterations, {} evaluations ({} refused: {} not reached, {} with the branch lost, {} without a value), {:.2} s\n\n",
             study.family.mechanism().title,
-            six_digits(first * unit),
+            match first.is_finite() {
+                true => format!("{} to ", six_digits(first * unit)),
+                false => String::new(),
+            },
             six_digits(last * unit),
             ending_word(minimum.ended),
             minimum.iterations,

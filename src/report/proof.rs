@@ -12,6 +12,7 @@ use crate::kinematics::structure::block::Structure;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
+use crate::report::sentences::counted_things;
 use serde_json::{Value, json};
 
 /// The assumptions of a mechanism's proofs, one sentence each.
@@ -22,9 +23,8 @@ pub fn proof_assumptions(system: &System) -> Vec<String> {
     ];
     let redundant = system.redundant_rows();
     if redundant > 0 {
-        list.push(format!(
-            "{redundant} redundant equations bounded, not proved"
-        ));
+        let equations = counted_things(redundant, "redundant equation");
+        list.push(format!("{equations} bounded, not proved"));
     }
     list
 }

@@ -1,7 +1,7 @@
 //! Verdicts as SARIF 2.1.0, which code-hosting services show next to the files of a change: one result for every
 //! question that did not pass.
 
-use super::verdict::{CLEARANCE, MEASURES, MOTION, PROOF, SceneVerdict, Status};
+use super::verdict::{CLEARANCE, MEASURES, MOTION, PROOF, SCENE, SceneVerdict, Status};
 use serde_json::{Value, json};
 
 /// Explanations of the groups of questions, for readers of a result.
@@ -13,7 +13,7 @@ const RULES: [(&str, &str); 5] = [
         CLEARANCE,
         "Bodies keep their minimum distance at every instant.",
     ),
-    ("scene", "The scene can be checked."),
+    (SCENE, "The scene can be checked."),
 ];
 
 /// The whole document.

@@ -1,7 +1,7 @@
 //! Derivatives of a study's measures by its variables as a table for people, as CSV and as JSON.
 
 use super::cells::{aligned_rows, quoted_cell, six_digits};
-use crate::analysis::study::{Gradients, ParametricMechanism};
+use crate::analysis::study::{NominalStudy, ParametricMechanism};
 use serde_json::{Map, Value, json};
 
 /// Version of the JSON document.
@@ -11,7 +11,7 @@ const SCHEMA: u32 = 1;
 pub struct SensitivityTable<'a> {
     /// The study.
     pub family: &'a ParametricMechanism,
-    gradients: &'a Gradients,
+    nominal: &'a NominalStudy,
     /// Variables, the most important first.
     pub order: Vec<usize>,
     /// A measure and its allowed scatter.
@@ -22,14 +22,14 @@ impl<'a> SensitivityTable<'a> {
     /// Ranked by the derivatives of measure `rank`. `allowed` is a measure and the scatter it may have.
     pub fn new(
         family: &'a ParametricMechanism,
-        gradients: &'a Gradients,
+        nominal: &'a NominalStudy,
         rank: usize,
         allowed: Option<(usize, f64)>,
     ) -> Self {
         Self {
             family,
-            gradients,
-            order: row_ranking(&gradients.rows[rank]),
+            nominal,
+            order: row_ranking(&nominal.gradients.rows[rank]),
             allowed,
         }
     }
@@ -39,13 +39,13 @@ impl<'a> SensitivityTable<'a> {
         let over = self.family.units(self.family.measures.list[measure].kind);
         let variables = &self.family.study.variables;
         let under = self.family.units(variables[variable].kind);
-        self.gradients.rows[measure][variable] * over / under
+        self.nominal.gradients.rows[measure][variable] * over / under
     }
 
     /// The tolerances with which all dimensions contribute equally to the allowed scatter.
     fn proposed_tolerance(&self, variable: usize) -> Option<f64> {
         let (measure, scatter) = self.allowed?;
-        let row = &self.gradients.rows[measure];
+        let row = &self.nominal.gradients.rows[measure];
         let moving = row.iter().filter(|d| **d != 0.0).count() as f64;
         let unit = self
             .family
@@ -84,7 +84,7 @@ impl<'a> SensitivityTable<'a> {
         rows.extend(self.order.iter().map(|v| self.row(*v, &six_digits)));
         let measures: Vec<String> = list
             .iter()
-            .zip(&self.gradients.measures)
+            .zip(&self.nominal.gradients.measures)
             .map(|(m, v)| format!("{} = {}", m.name, six_digits(self.family.shown(m, *v))))
             .collect();
         let title = &self.family.mechanism().title;
@@ -92,6 +92,13 @@ impl<'a> SensitivityTable<'a> {
         let mut text = format!("{title}\n  {}\n\n", measures.join(", "));
         text.push_str(&aligned_rows(&rows));
         text.push_str(&format!("\nExact derivatives, ranked by d{ranked}.\n"));
+        let one_sided = self.one_sided();
+        if !one_sided.is_empty() {
+            text.push_str(&format!(
+                "Of one side only, at a kink of a formula or where several poses share an extreme: {}.\n",
+                one_sided.join(", ")
+            ));
+        }
         if let Some((measure, scatter)) = self.allowed {
             let measure = &list[measure];
             text.push_str(&format!(
@@ -101,6 +108,14 @@ impl<'a> SensitivityTable<'a> {
             ));
         }
         text
+    }
+
+    /// Measures whose derivatives differ on both sides.
+    fn one_sided(&self) -> Vec<&str> {
+        let list = self.family.measures.list.iter();
+        let marked = list.zip(&self.nominal.one_sided);
+        let marked = marked.filter(|(_, is_one_sided)| **is_one_sided);
+        marked.map(|(measure, _)| measure.name.as_str()).collect()
     }
 
     /// One row a variable.
@@ -125,7 +140,7 @@ impl<'a> SensitivityTable<'a> {
             .measures
             .list
             .iter()
-            .zip(&self.gradients.measures)
+            .zip(&self.nominal.gradients.measures)
         {
             measures.insert(m.name.clone(), json!(self.family.shown(m, *v)));
         }
@@ -146,6 +161,7 @@ impl<'a> SensitivityTable<'a> {
             "schema": format!("mechanim-sensitivity/{SCHEMA}"),
             "title": self.family.mechanism().title,
             "measures": measures,
+            "one_sided": self.one_sided(),
             "dimensions": rows.collect::<Vec<_>>(),
         })
     }

@@ -110,14 +110,13 @@ pub fn target_text(found: &FoundTarget) -> String {
 /// The result of the independent motion for the rows.
 fn rows_sentence(found: &FoundTarget) -> String {
     let rows = &found.rows;
-    let met = rows.missed.iter().flatten().count();
-    let mut text = format!("{met} of {} met on one motion", rows.missed.len());
-    if !rows.one_branch {
-        text = format!(
-            "{met} of {} met, but on several branches",
-            rows.missed.len()
-        );
-    }
+    // Rows without a weight are no targets.
+    let count = found.missed().count();
+    let met = found.missed().filter(|(off, _)| off.is_finite()).count();
+    let mut text = match rows.one_branch {
+        true => format!("{met} of {count} met on one motion"),
+        false => format!("{met} of {count} met, but on several branches"),
+    };
     text += &match rows.unproved {
         0 => format!(", certified to {}", at_most(rows.error_bound)),
         count => format!(", {count} without a certificate"),

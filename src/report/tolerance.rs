@@ -68,7 +68,7 @@ impl ToleranceReport<'_> {
         let (family, pieces) = (self.family(), self.pieces);
         let mut rows = vec![HEADS.map(str::to_owned).to_vec()];
         let list = family.measures.list.iter().enumerate();
-        rows.extend(list.filter_map(|(index, measure)| self.row(index, measure)));
+        rows.extend(list.map(|(index, measure)| self.row(index, measure)));
         let samples = pieces.made;
         let varying = match family.study.variables.len() {
             1 => "1 dimension varies".to_owned(),
@@ -118,35 +118,37 @@ impl ToleranceReport<'_> {
             .all(|[low, high]| low == high)
     }
 
-    /// A measure's row of the table; `None` if no piece can be assembled.
-    fn row(&self, index: usize, measure: &Measure) -> Option<Vec<String>> {
+    /// A measure's row of the table; if no piece can be assembled, it has nothing about pieces.
+    fn row(&self, index: usize, measure: &Measure) -> Vec<String> {
         let unit = self.family().units(measure.kind);
-        let scatter = self.pieces.measures.get(index)?.as_ref()?;
+        let scatter = self.pieces.measures.get(index).and_then(Option::as_ref);
         let (study, linear) = (self.study, self.study.linear[index]);
         let numbers = [
             study.nominal.gradients.measures[index],
             linear.root_sum_square,
             linear.linear_sum,
-            scatter.deviation,
+            scatter.map_or(f64::NAN, |s| s.deviation),
             linear.deviation,
         ];
-        // A measure of a singular pose has no derivative.
-        let shown = |v: f64| match v.is_nan() {
-            true => "-".to_owned(),
-            false => six_digits(v * unit),
+        // A measure of a singular pose has no derivative, one without pieces has none found.
+        let shown = |v: f64| match v.is_finite() {
+            true => six_digits(v * unit),
+            false => "-".to_owned(),
         };
         let mut row = vec![measure.name.clone()];
         row.extend(numbers.map(shown));
-        row.extend(scatter.quantiles.iter().map(|ends| {
+        let unknown = [[f64::NAN; 2]; SHARES.len()];
+        let quantiles = scatter.map_or(&unknown[..], |s| &s.quantiles[..]);
+        row.extend(quantiles.iter().map(|ends| {
             let [low, high] = ends.map(shown);
             match low == high {
                 true => low,
                 false => format!("{low}..{high}"),
             }
         }));
-        row.extend(study.found(index, Some(scatter.found)).map(shown));
+        row.extend(study.found(index, scatter.map(|s| s.found)).map(shown));
         row.extend(self.never_beyond(index, measure.kind));
-        Some(row)
+        row
     }
 
     /// The proved ends of a measure, rounded outwards.
@@ -178,6 +180,7 @@ impl ToleranceReport<'_> {
             "title": family.mechanism().title,
             "dimensions": variables.map(|v| v.name.as_str()).collect::<Vec<_>>(),
             "samples": pieces.made,
+            "complete": pieces.made == self.study.batch().samples as u64,
             "poses": self.study.nominal.poses.poses.len(),
             "passes_singular_pose": self.study.nominal.drawn.singular.is_some(),
             "first": self.first,

@@ -38,6 +38,8 @@ pub enum Status {
     Failed,
     /// Poses are missing.
     NotClosed,
+    /// The scene cannot be read, or not be checked as requested.
+    Unreadable,
 }
 
 impl Status {
@@ -49,6 +51,7 @@ impl Status {
             Self::NotProved => "not proved",
             Self::Failed => "failed",
             Self::NotClosed => "not closed over the whole motion",
+            Self::Unreadable => "cannot be checked",
         }
     }
 }
@@ -56,7 +59,7 @@ impl Status {
 /// One question.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// What it is about: [`MOTION`], [`PROOF`], [`MEASURES`], [`CLEARANCE`].
+    /// What it is about: [`MOTION`], [`PROOF`], [`MEASURES`], [`CLEARANCE`], [`SCENE`].
     pub group: &'static str,
     /// The subject: a measure, a pair of bodies.
     pub name: String,
@@ -76,6 +79,8 @@ pub const PROOF: &str = "proof";
 pub const MEASURES: &str = "measures";
 /// Group of the pairs of bodies.
 pub const CLEARANCE: &str = "clearance";
+/// Group of the only case of a scene that cannot be checked.
+pub const SCENE: &str = "scene";
 
 impl Case {
     /// An answer without a time.
@@ -111,6 +116,15 @@ pub struct Verdict {
 }
 
 impl Verdict {
+    /// The verdict on a scene that cannot be checked, and why.
+    pub fn unreadable(source: &str, why: String) -> Self {
+        let case = Case::new(SCENE, "can be checked", Status::Unreadable, why);
+        Self {
+            title: source.to_owned(),
+            cases: vec![case],
+        }
+    }
+
     /// The worst answer; [`Status::Passed`] without questions.
     pub fn result(&self) -> Status {
         worst_status(self.cases.iter())
@@ -123,7 +137,12 @@ impl Verdict {
 
     /// The result in words, with the names of the cases that did not pass: `failed: crank / rod; not proved: poses`.
     pub fn sentence(&self) -> String {
-        let bad = [Status::NotClosed, Status::Failed, Status::NotProved];
+        let bad = [
+            Status::Unreadable,
+            Status::NotClosed,
+            Status::Failed,
+            Status::NotProved,
+        ];
         let parts = bad.into_iter().filter_map(|status| self.names(status));
         let parts: Vec<String> = parts.collect();
         match parts.is_empty() {
@@ -136,8 +155,8 @@ impl Verdict {
     fn names(&self, status: Status) -> Option<String> {
         let cases = self.cases.iter().filter(|case| case.status == status);
         let names: Vec<&str> = cases.map(|case| case.name.as_str()).collect();
-        // Only the motion itself can be open.
-        if names.is_empty() || status == Status::NotClosed {
+        // Only the motion itself can be open, and only the scene itself unreadable.
+        if names.is_empty() || status >= Status::NotClosed {
             return (!names.is_empty()).then(|| status.word().to_owned());
         }
         let shown = names[..names.len().min(MOST_NAMES)].join(", ");

@@ -39,7 +39,14 @@ pub fn parse_tables<'t>(
 
 fn mistake(text: &str, error: &Error) -> Diagnostic {
     let message = format!("not valid TOML: {}", error.message());
-    Diagnostic::error(message).at(error.span().unwrap_or(text.len()..text.len()))
+    let span = error.span().unwrap_or(text.len()..text.len());
+    let word = text.get(span.clone()).unwrap_or_default();
+    let diagnostic = Diagnostic::error(message).at(span);
+    // `30mm`, `90deg`, `2*pi`
+    match word.starts_with(|first: char| first.is_ascii_digit()) {
+        true => diagnostic.hint("a value that is more than a number is a formula, and stands in quotes: \"2*pi\", \"90deg\"; lengths have no unit"),
+        false => diagnostic,
+    }
 }
 
 /// An upper bound on the number of words and punctuation marks of a text.

@@ -42,10 +42,11 @@ pub fn titled_template(text: &str, title: &str, head: &str) -> String {
     out
 }
 
-/// The section that a line opens: `[parameters]`, `[[bodies]]`.
+/// The section that a line opens: `[parameters]`, `[[bodies]]`, `[inputs.phi]`.
 fn section_of(line: &str) -> Option<&str> {
     let inside = line.strip_prefix('[')?.split(']').next()?;
-    Some(inside.trim_start_matches('['))
+    // `[contacts.wheel]` opens `contacts`, if nothing else did.
+    inside.trim_start_matches('[').split('.').next()
 }
 
 #[cfg(test)]

@@ -6,12 +6,12 @@ use super::joint_places::BodyOutlines;
 use super::joints::{self, CarriedFrame, PlacedJoint, PlacedLinks};
 use super::link_symbols;
 use super::solids::{merged_mesh, sign_instance};
+use super::spherical_links::SphericalLinkage;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::Pose;
 use crate::model::bar_ends::BarEnds;
 use crate::model::chain::{Chain, ChainStep};
 use crate::model::joints::JointKind;
-use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
 use crate::render::{Instance, StageMesh};
 use crate::scene::Scene;
@@ -21,9 +21,9 @@ use glam::DVec3;
 const RADIUS: f64 = 0.008;
 
 /// Colours of the base side of a joint, of the moving side, and of the ground.
-const SEAT: [u8; 3] = [0x4c, 0x55, 0x62];
-const MOVER: [u8; 3] = [0xd9, 0xdd, 0xe3];
-const GROUND: [u8; 3] = [0x6e, 0x77, 0x85];
+pub(super) const SEAT: [u8; 3] = [0x4c, 0x55, 0x62];
+pub(super) const MOVER: [u8; 3] = [0xd9, 0xdd, 0xe3];
+pub(super) const GROUND: [u8; 3] = [0x6e, 0x77, 0x85];
 
 /// Distance from a joint's axis within which a body holds it, in radii of a pin.
 const HOLD: f64 = 3.0;
@@ -40,9 +40,6 @@ const FACETS: f64 = 0.02;
 /// Symbols are outlined like bodies, with numbers after those of the bodies.
 const FIRST_OUTLINE: u32 = 1 << 30;
 
-/// Samples looked at for the stroke of a slider.
-const MAX_SAMPLES: usize = 64;
-
 /// One mesh of a symbol and the link that carries it.
 struct SignPiece {
     mesh: usize,
@@ -58,7 +55,7 @@ enum PieceCarrier {
     Link(CarriedFrame),
     /// A bar: the frame at its first end whose z axis points to the other one.
     Bar([Chain; 2]),
-    /// An end of a bar.
+    /// The frame at the end of a product: an end of a bar, a link of a spherical linkage.
     End(Chain),
 }
 
@@ -94,7 +91,7 @@ impl JointSymbols {
         if !are_shown && mechanism.bars.is_empty() {
             return Self::default();
         }
-        let poses = placed_samples(mechanism, trajectory);
+        let poses = PlacedLinks::over_motion(mechanism, trajectory);
         let Some(first) = poses.first() else {
             return Self::default();
         };
@@ -117,6 +114,18 @@ impl JointSymbols {
                 colour,
             });
         };
+        // Joints that have no places of their own get some.
+        let spherical = match mechanism.has_no_shapes() {
+            true => SphericalLinkage::of(mechanism, first),
+            false => None,
+        };
+        if let Some(spherical) = spherical {
+            for piece in spherical.solids(up, [radius, ROD * radius]) {
+                let carrier = piece.carrier.map_or(PieceCarrier::Still, PieceCarrier::End);
+                add(piece.solids, carrier, piece.colour);
+            }
+            return signs;
+        }
         // Without bodies links are drawn as rods, and bars wherever no body shows them.
         let mut count = 0;
         if mechanism.has_no_shapes() {
@@ -263,18 +272,8 @@ impl Ram {
     }
 }
 
-/// Placements at some samples of the motion.
-fn placed_samples(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<PlacedLinks> {
-    let samples = trajectory.samples.iter();
-    let closed = samples.filter_map(|sample| Some((sample, sample.pose.as_ref()?)));
-    let closed: Vec<_> = closed.collect();
-    let stride = closed.len().div_ceil(MAX_SAMPLES).max(1);
-    let kept = closed.into_iter().step_by(stride);
-    kept.map(|(sample, pose)| PlacedLinks::new(mechanism, sample, pose))
-        .collect()
-}
-
-fn rod_solid(axis: DVec3, from: f64, to: f64, radius: f64) -> Solid {
+/// A cylinder from one height above the origin to another.
+pub(super) fn rod_solid(axis: DVec3, from: f64, to: f64, radius: f64) -> Solid {
     Solid::Cylinder {
         from: axis * from,
         to: axis * to,
@@ -344,7 +343,7 @@ fn joint_solids(joint: &PlacedJoint, r: f64, [low, high]: [f64; 2]) -> (Vec<Soli
 }
 
 /// A pedestal on a plate with hatching below, under a joint at `at`.
-fn ground_sign(at: DVec3, up: DVec3, r: f64) -> Vec<Solid> {
+pub(super) fn ground_sign(at: DVec3, up: DVec3, r: f64) -> Vec<Solid> {
     let axes = Pose::from_z_axis(up).rotation;
     let (right, ahead) = (axes.x_axis, axes.y_axis);
     let foot = at - up * (5.0 * r);

@@ -3,7 +3,7 @@
 
 use super::axis_places::axis_shifts;
 use super::floating::floating_joints;
-use crate::kinematics::results::trajectory::{ClosedPose, Sample};
+use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::math::Pose;
 use crate::model::bar_ends::BarEnds;
 use crate::model::chain::{ArgumentValue, Chain, ChainStep, ElementaryMotion};
@@ -11,6 +11,9 @@ use crate::model::joints::{Joint, JointKind, LinkFrame};
 use crate::model::mechanism::Mechanism;
 use crate::model::walk::walk_chain;
 use glam::DVec3;
+
+/// Samples looked at for the room and the strokes of the joints.
+const MAX_SAMPLES: usize = 64;
 
 /// A joint with its placement in the world.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,6 +97,17 @@ impl PlacedLinks {
             links: mechanism.joints.link_poses(&arguments),
             arguments,
         }
+    }
+
+    /// At some samples of the motion that have a pose.
+    pub fn over_motion(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Self> {
+        let samples = trajectory.samples.iter();
+        let closed = samples.filter_map(|sample| Some((sample, sample.pose.as_ref()?)));
+        let closed: Vec<_> = closed.collect();
+        let stride = closed.len().div_ceil(MAX_SAMPLES).max(1);
+        let kept = closed.into_iter().step_by(stride);
+        kept.map(|(sample, pose)| Self::new(mechanism, sample, pose))
+            .collect()
     }
 
     /// World from a link.

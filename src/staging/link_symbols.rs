@@ -3,6 +3,7 @@
 use super::axis_places::{axis_shifts, joint_points};
 use super::floating::floating_joints;
 use super::joints;
+use super::spherical_links::SphericalLinkage;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::bar_ends::BarEnds;
 use crate::model::mechanism::Mechanism;
@@ -19,9 +20,6 @@ const COLOURS: [[u8; 3]; 7] = [
     [0xd5, 0x5e, 0x00],
     [0xf0, 0xe4, 0x42],
 ];
-
-/// Samples looked at for the room of the joints.
-const MAX_SAMPLES: usize = 64;
 
 /// Positions nearer together than this fraction of a rod's radius count as one.
 const SAME: f64 = 1e-3;
@@ -115,22 +113,22 @@ pub fn link_colour(number: usize) -> [u8; 3] {
 
 /// Places of the ends of bars over the motion, and without bodies of all joints.
 pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec3> {
-    let placed = match mechanism.has_no_shapes() {
+    let poses = joints::PlacedLinks::over_motion(mechanism, trajectory);
+    let is_bare = mechanism.has_no_shapes();
+    if let (true, Some(first)) = (is_bare, poses.first())
+        && let Some(spherical) = SphericalLinkage::of(mechanism, first)
+    {
+        return spherical.extent(&poses);
+    }
+    let placed = match is_bare {
         true => joints::placed_joints(mechanism),
         false => Vec::new(),
     };
-    let closed = trajectory.samples.iter();
-    let closed: Vec<_> = closed.filter_map(|s| Some((s, s.pose.as_ref()?))).collect();
-    let stride = closed.len().div_ceil(MAX_SAMPLES).max(1);
-    let poses = closed
-        .into_iter()
-        .step_by(stride)
-        .map(|(sample, pose)| joints::PlacedLinks::new(mechanism, sample, pose));
-    let points = poses.flat_map(|at| {
+    let points = poses.iter().flat_map(|at| {
         let places = placed
             .iter()
             .flat_map(|joint| [&joint.before, &joint.after]);
-        let places = places.map(|frame| frame.pose(&at).translation);
+        let places = places.map(|frame| frame.pose(at).translation);
         let ends = mechanism.bars.iter().flat_map(|bar| &bar.ends);
         let ends = ends.map(|end| end.point.pose(&at.arguments).translation);
         places.chain(ends).collect::<Vec<DVec3>>()

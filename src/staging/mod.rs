@@ -34,6 +34,7 @@ mod round_steps;
 mod section;
 pub mod shared_camera;
 mod solids;
+mod spherical_links;
 mod ticks;
 mod trails;
 mod value_text;

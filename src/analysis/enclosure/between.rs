@@ -4,6 +4,7 @@
 use super::motion::{NominalPose, SpanBands, samples_at};
 use super::plan::TolerancePlan;
 use super::pose_bands::{BandObstacle, EnclosureSpace, pose_enclosure};
+use super::whole_measures::extreme_ranges;
 use crate::jobs::share_work;
 use crate::kinematics::certificate::tube::input_range;
 use crate::kinematics::enclosure::pose::{Encloser, Rooms};
@@ -133,7 +134,9 @@ impl PoseBetween<'_> {
             let range = enclosure.slot(slot).range();
             [range.lo, range.hi]
         });
-        Ok(ends.collect())
+        // The bands of the quantities, then those of the measures' extremes.
+        let extremes = extreme_ranges(self.plan, &enclosure);
+        Ok(ends.chain(extremes).collect())
     }
 }
 

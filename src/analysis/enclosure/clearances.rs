@@ -117,14 +117,15 @@ pub fn enclose_clearances(
 /// Initially only the nominal motion of a pair is known.
 fn unknown_clearance(part: &JudgedPart) -> PieceClearance {
     let [a, b] = part.bodies;
+    let [nominal, time] = part.nominal;
     PieceClearance {
         pair: [a.min(b), a.max(b)],
         minimum: part.minimum,
         slack: part.slack,
-        nominal: part.nominal,
-        bound: part.nominal,
-        found: part.nominal,
-        time: 0.0,
+        nominal,
+        bound: nominal,
+        found: nominal,
+        time,
         refusal: None,
     }
 }

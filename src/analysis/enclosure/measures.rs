@@ -26,6 +26,8 @@ pub struct MeasureBand {
     pub lo: f64,
     /// No piece is higher.
     pub hi: f64,
+    /// Whether this holds for the whole drive, not only for the poses of the measure.
+    pub at_all_times: bool,
 }
 
 /// Ranges of all measures, from the poses of the family's tracks with the file's dimensions.
@@ -83,6 +85,7 @@ pub fn enclose_measures(
     let tighter = pairs.map(|(a, b)| MeasureBand {
         lo: a.band.lo.max(b.lo),
         hi: a.band.hi.min(b.hi),
+        at_all_times: false,
     });
     Ok(tighter.collect())
 }
@@ -164,7 +167,11 @@ impl MeasureSearch<'_> {
             }
             let Interval { lo, hi } = range;
             Reached {
-                band: MeasureBand { lo, hi },
+                band: MeasureBand {
+                    lo,
+                    hi,
+                    at_all_times: false,
+                },
                 found,
             }
         };

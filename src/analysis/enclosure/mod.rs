@@ -11,6 +11,7 @@ mod plan;
 mod pose_bands;
 mod reductions;
 mod tracked;
+mod whole_measures;
 
 pub use allowed::{AllowedTolerance, allowed_motion};
 pub use between::enclose_between;
@@ -20,3 +21,4 @@ pub use motion::{Enclosed, SpanBands, enclose_motion, shown_names};
 pub use pieces::PieceTolerances;
 pub use plan::{MOST_DIMENSIONS, TolerancePlan, TolerancedDimension};
 pub use pose_bands::{BandObstacle, Bands, ValueBand};
+pub use whole_measures::measures_at_all_times;

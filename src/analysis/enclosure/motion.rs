@@ -28,7 +28,8 @@ pub struct SpanBands {
     pub from: f64,
     /// Seconds.
     pub until: f64,
-    /// Least and greatest value of every quantity over the interval, or the reason why they are unknown.
+    /// Least and greatest value of every quantity over the interval, then of the formula of every measure that is an extreme along
+    /// the drive; or the reason why they are unknown.
     pub bands: Result<Vec<[f64; 2]>, BandObstacle>,
 }
 

@@ -40,6 +40,11 @@ struct Mixed {
 }
 
 impl Changes {
+    /// Of all slots: one row per variable.
+    pub(super) fn slopes(&self) -> &[Vec<f64>] {
+        &self.slopes.rows
+    }
+
     /// Adds `scale` times the derivative of a formula (or of its derivative by an input) to `row`.
     pub fn add(
         &self,

@@ -26,6 +26,8 @@ pub struct NominalStudy {
     pub poses: TrackPoses,
     /// Measures and their derivatives.
     pub gradients: Gradients,
+    /// For every measure whether its derivatives are those of one side only: at a kink of a formula, or where poses share an extreme.
+    pub one_sided: Vec<bool>,
 }
 
 /// Stands for every dimension.
@@ -133,10 +135,14 @@ impl LoadedStudy {
         });
         let gradients =
             gradients.map_err(|rejection| evaluator.refused_start(&poses, &rejection))?;
+        let one_sided = evaluator.one_sided(&poses);
+        let one_sided =
+            one_sided.map_err(|rejection| evaluator.refused_start(&poses, &rejection))?;
         Ok(NominalStudy {
             drawn,
             poses,
             gradients,
+            one_sided,
         })
     }
 

@@ -10,6 +10,7 @@ pub mod kept_clearances;
 mod lane_measures;
 mod loaded;
 mod measure;
+mod one_sided;
 pub mod optimum;
 mod own_motion;
 mod peaks;

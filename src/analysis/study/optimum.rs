@@ -262,15 +262,16 @@ pub struct Verified {
 }
 
 /// Reads the scene again with the values as its parameters, follows the tracks from the start of the drive, and
-/// measures.
+/// measures. `passes_singular` says whether the motion with the file's values passes a singular pose.
 ///
 /// # Errors
-/// The values cannot be assembled, or not along the way from the start values.
+/// The values cannot be assembled, or not along the way from the start values; the way passes a singular pose that it did not pass
+/// before, from where it may go on in another assembly.
 pub fn verify_optimum(
     source: &Source,
     overrides: &Overrides,
     parameters: Vec<(String, String)>,
-    vary: &[String],
+    (vary, passes_singular): (&[String], bool),
 ) -> Result<Verified, FamilyError> {
     let overrides = Overrides {
         parameters,
@@ -279,6 +280,13 @@ pub fn verify_optimum(
     // Nothing of the search is reused: neither its poses nor its branch.
     let family = ParametricMechanism::load(source, &overrides, vary)?;
     let nominal = family.nominal()?;
+    if let Some(passage) = nominal.singular.filter(|_| !passes_singular) {
+        let (track, pose) = family.place_of(passage.behind);
+        return Err(FamilyError::Lacks(format!(
+            "the motion passes a singular pose before pose {pose} of {track}, which that of the file's values does not: it may go \
+             on in another assembly"
+        )));
+    }
     let (error_bound, unproved, poses) =
         (nominal.error_bound, nominal.unproved, nominal.poses.len());
     let mut evaluator = Evaluator::new(&family);

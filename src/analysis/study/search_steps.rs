@@ -77,11 +77,12 @@ impl LoadedStudy {
     pub fn verify(&self, values: &[f64]) -> Result<Verified, FamilyError> {
         let variables = self.family.study.variables.iter();
         let names: Vec<String> = variables.map(|v| v.name.clone()).collect();
+        let passes_singular = self.family.nominal()?.singular.is_some();
         verify_optimum(
             &self.source,
             &self.overrides,
             self.parameters(values),
-            &names,
+            (&names, passes_singular),
         )
     }
 }

@@ -200,7 +200,7 @@ pub struct CheckArgs {
     /// worst moment.
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub plot: Option<PathBuf>,
-    /// Draw the worst pair where it is nearest, with distance, time and verdict, into this PNG file: red and
+    /// Draw the worst pair at its closest approach, with distance, time and verdict, into this PNG file: red and
     /// blue if it does not pass, green and blue if it does.
     #[arg(long, value_name = "FILE.png", conflicts_with = "pose")]
     pub render: Option<PathBuf>,

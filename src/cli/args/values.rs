@@ -88,7 +88,7 @@ fn sides_of(text: &str) -> Result<[u32; 2], String> {
         return Err("a picture needs at least one pixel".to_owned());
     }
     if size.iter().any(|side| *side > MAX_SIDE) {
-        return Err(too_many_pixels());
+        return Err(format!("at most {MAX_SIDE} pixels a side"));
     }
     Ok(size)
 }

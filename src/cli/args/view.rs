@@ -89,7 +89,7 @@ pub struct ViewArgs {
     /// `0,0,10/0,1,1`; the normal points to the side that is removed. Scenes choose bodies with `[view] section`.
     #[arg(long, value_name = "PLANE", allow_hyphen_values = true, value_parser = section_plane)]
     pub section: Option<SectionPlane>,
-    /// Move the bodies apart, by this many times the distances of their middles from the common one.
+    /// Move the bodies apart, by this multiple of the distance of their centres from the common centre.
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = explosion_factor)]
     pub explode: Option<f64>,
     /// Play the motion forwards, then backwards.
@@ -149,7 +149,7 @@ impl ViewArgs {
 
     /// Applies the options to the view of `scene`.
     ///
-    /// Errors: a transparent background in a format without alpha; too many ghosts, two at one time, or one outside the motion.
+    /// Errors: a transparent background in a format without alpha; a size of trails or arrows that are not drawn; too many ghosts, two at one time, or one outside the motion.
     pub fn apply(&self, format: &Format, scene: &mut Scene) -> Result<(), Failure> {
         self.hide
             .iter()
@@ -159,9 +159,20 @@ impl ViewArgs {
         if let Ghosts::Times(times) = &view.decor.ghosts {
             refuse_ghosts(times, scene.actuation.duration)?;
         }
-        if let (Some(length), Trails::Fading(seconds)) = (self.trail_length, &mut view.decor.trails)
-        {
-            *seconds = Some(length);
+        match (self.trail_length, &mut view.decor.trails) {
+            (None, _) => {}
+            (Some(length), Trails::Fading(seconds)) => *seconds = Some(length),
+            (Some(_), _) => {
+                let message = "--trail-length is for trails that fade, and these do not";
+                return Err(Failure::usage(
+                    message,
+                    vec!["add --trails fading".to_owned()],
+                ));
+            }
+        }
+        if self.arrow_scale.is_some() && !view.decor.arrows {
+            let message = "--arrow-scale has no effect without arrows";
+            return Err(Failure::usage(message, vec!["add --arrows".to_owned()]));
         }
         view.decor.arrow_scale = self.arrow_scale.or(view.decor.arrow_scale);
         let has_alpha = matches!(format, Format::Png | Format::Apng | Format::PngSequence(_));

@@ -24,11 +24,20 @@ impl CheckAnswer {
             title: scene.to_owned(),
             cases: vec![closure::unclosed_case(&failure.to_string())],
         };
+        Self::without_poses(verdict, failure)
+    }
+
+    /// The answer to a scene that cannot be checked.
+    pub fn unreadable(scene: &str, failure: Failure) -> Self {
+        Self::without_poses(Verdict::unreadable(scene, failure.to_string()), failure)
+    }
+
+    fn without_poses(verdict: Verdict, failure: Failure) -> Self {
         Self {
             text: String::new(),
             document: Some(json!({
                 "schema": "mechanim-check/1",
-                "title": scene,
+                "title": verdict.title,
                 "checks": verdict.json(),
                 "result": verdict.result().word(),
             })),

@@ -6,6 +6,7 @@ use crate::cli::args::motion::CheckArgs;
 use crate::cli::open::scene::OpenScene;
 use crate::cli::term::outcome::Failure;
 use crate::report::inputs_box::{cases, to_json};
+use crate::report::sentences::counted_things;
 use crate::report::verdict::Verdict;
 use serde_json::json;
 
@@ -47,8 +48,9 @@ pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<CheckAnswer, Failur
         cases: cases(mechanism, sides, &report, args.asked.allow_empty),
     };
     let mut text = format!(
-        "{}\n  box of inputs    {} strips\n",
-        mechanism.title, report.strips
+        "{}\n  box of inputs    {}\n",
+        mechanism.title,
+        counted_things(report.strips, "strip")
     );
     for case in &verdict.cases {
         text.push_str(&format!("    {}: {}\n", case.name, case.text));

@@ -9,12 +9,9 @@ use crate::cli::io;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::jobs::{core_count, share_work};
-use crate::report::verdict::{Case, SceneVerdict, Status, Verdict};
+use crate::report::verdict::{SceneVerdict, Status, Verdict};
 use serde_json::{Value, json};
 use std::time::Instant;
-
-/// Group and name of the single question about a scene that cannot be checked.
-const UNREADABLE: (&str, &str) = ("scene", "can be checked");
 
 /// Result of one scene.
 struct CheckedScene {
@@ -30,18 +27,7 @@ impl CheckedScene {
     fn verdict(&self) -> Verdict {
         match &self.found {
             Ok(answer) => answer.verdict.clone(),
-            Err(failure) => {
-                let (group, name) = UNREADABLE;
-                Verdict {
-                    title: self.scene.clone(),
-                    cases: vec![Case::new(
-                        group,
-                        name,
-                        Status::NotProved,
-                        failure.to_string(),
-                    )],
-                }
-            }
+            Err(failure) => Verdict::unreadable(&self.scene, failure.to_string()),
         }
     }
 
@@ -142,7 +128,7 @@ fn joined_reports(checked: &[CheckedScene]) -> String {
     for one in checked {
         let result = match &one.found {
             Ok(answer) => answer.verdict.sentence(),
-            Err(_) => "cannot be checked".to_owned(),
+            Err(_) => Status::Unreadable.word().to_owned(),
         };
         text.push_str(&format!("  {:<width$}  {result}\n", one.scene));
     }

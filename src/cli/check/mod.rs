@@ -19,6 +19,7 @@ use super::term::outcome::{Failure, Outcome};
 use crate::cli::io;
 use crate::limits::search_deadline;
 use crate::report::verdict::{PROOF, SceneVerdict, Status};
+use answer::CheckAnswer;
 use judge::judge;
 use std::path::Path;
 use std::time::Instant;
@@ -47,9 +48,15 @@ fn check_one(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
     ]);
     io::refuse_clashes(&[&args.scene], &reports)?;
     let begun = Instant::now();
-    let answer = judge(args, term)?;
+    let source = args.scene.scene.to_string_lossy();
+    let answer = match judge(args, term) {
+        Err(failure @ (Failure::Interrupted | Failure::Internal(_))) => return Err(failure),
+        // Reports of an earlier run must not stay behind as if they were about this one.
+        Err(failure) => CheckAnswer::unreadable(&source, failure),
+        Ok(answer) => answer,
+    };
     let judged = SceneVerdict {
-        source: &args.scene.scene.to_string_lossy(),
+        source: &source,
         verdict: &answer.verdict,
         seconds: begun.elapsed().as_secs_f64(),
     };

@@ -223,7 +223,11 @@ impl<'a> OpenFilm<'a> {
             if older > 0 {
                 let first = pattern.path(self.settings.count);
                 term.warning(&format!(
-                    "{older} older frames remain, from {} on",
+                    "{} from {} on, which are not of this run",
+                    match older {
+                        1 => "an older frame remains,".to_owned(),
+                        _ => format!("{older} older frames remain,"),
+                    },
                     first.display()
                 ));
             }

@@ -6,6 +6,7 @@ use crate::cli::io;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::import::film::png_files;
+use crate::report::sentences::counted_things;
 use crate::scene::source;
 use crate::snapshot::golden::path_beside;
 use crate::snapshot::manifest::GoldenPicture;
@@ -160,7 +161,11 @@ fn snapshot_text(folder: &Path, results: &[(&GoldenPicture, GoldenVerdict)]) -> 
     let failed = results
         .iter()
         .filter(|(_, v)| matches!(v, GoldenVerdict::Failed { .. }));
-    text + &format!("{} of {} pictures failed\n", failed.count(), results.len())
+    text + &format!(
+        "{} of {} failed\n",
+        failed.count(),
+        counted_things(results.len(), "picture")
+    )
 }
 
 /// The report as JSON; described in `docs/formats.md`.

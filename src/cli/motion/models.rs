@@ -35,6 +35,13 @@ pub fn write_model(
     let camera = Some((staging.stage.camera, width / height));
     let model = of_motion(scene, trajectory, samples, camera, facets);
     let output = sinks::open_file(args)?;
+    if let Some(moved) = model.coarse_rounding().filter(|_| *format != Format::Obj) {
+        term.warning(&format!(
+            "{} has single precision: so far from the origin it moves corners by up to {moved:.1e} {}",
+            format.name(),
+            scene.mechanism.length_unit
+        ));
+    }
     let corners = match facets {
         Facets::Picture => Corners::Quantised,
         Facets::Tool | Facets::Within(_) => Corners::Full,

@@ -19,7 +19,7 @@ use serde_json::{Map, Value, json};
 pub fn run_modes(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
     if args.scene.mode.is_some() {
         return Err(Failure::usage(
-            "`modes` lists all assemblies; --mode chooses one in render, solve and check",
+            "`modes` lists all assemblies; --mode chooses one in the other verbs",
             Vec::new(),
         ));
     }

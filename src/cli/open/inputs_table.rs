@@ -19,12 +19,12 @@ const MAX_ROWS: usize = crate::kinematics::motion::sampling::MAX_SAMPLES;
 const TIME: [&str; 3] = ["time", "t", "time [s]"];
 
 /// Replaces the drives. Columns are found by name, others are ignored. A time column gives the time of each row;
-/// otherwise row k is at second k.
+/// otherwise row k is at second k, and the warning returned says so if another column may have been meant as the time.
 pub fn apply_inputs(
     mechanism: &Mechanism,
     actuation: &mut Actuation,
     path: &Path,
-) -> Result<(), Failure> {
+) -> Result<Option<String>, Failure> {
     let name = path.display();
     let failed = |e: std::io::Error| Failure::usage(format!("cannot read {name}: {e}"), Vec::new());
     let file: Box<dyn BufRead> = match path == Path::new("-") {
@@ -41,7 +41,7 @@ pub fn apply_inputs(
         times: Vec::new(),
         values: vec![Vec::new(); mechanism.inputs.len()],
     };
-    table.read_header()?;
+    let warning = table.read_header()?;
     while let Some(row) = table.next()? {
         table.read(&row)?;
     }
@@ -60,7 +60,7 @@ pub fn apply_inputs(
     actuation.drives = keys.collect();
     // A single row has no duration.
     actuation.duration = if last > 0.0 { last } else { 1.0 };
-    Ok(())
+    Ok(warning)
 }
 
 /// The sample times that belong to a table: one per row.
@@ -99,7 +99,7 @@ impl InputsTable<'_> {
         row.map_err(|why| self.table_fault(&why, Vec::new()))
     }
 
-    fn read_header(&mut self) -> Result<(), Failure> {
+    fn read_header(&mut self) -> Result<Option<String>, Failure> {
         let Some(header) = self.next()? else {
             let hint = "the first line names the columns".to_owned();
             let message = format!("{} is empty", self.path.display());
@@ -117,7 +117,19 @@ impl InputsTable<'_> {
                 self.time = self.find_column(&header, name)?;
             }
         }
-        Ok(())
+        let others = header.iter().filter(|name| !is_input(name));
+        let others: Vec<String> = others.map(|name| format!("`{name}`")).collect();
+        if self.time.is_some() || others.is_empty() {
+            return Ok(None);
+        }
+        let ignored = match others.len() {
+            1 => format!("column {} is", others[0]),
+            _ => format!("columns {} are", others.join(", ")),
+        };
+        let table = self.path.display();
+        Ok(Some(format!(
+            "{table} has no column `time`: row k is at k seconds, {ignored} ignored"
+        )))
     }
 
     /// The only column of that name.

@@ -48,7 +48,8 @@ pub fn open_changed(
     )?;
     term.diagnostics(&source, &scene.warnings);
     if let Some(path) = &args.table {
-        inputs_table::apply_inputs(&scene.mechanism, &mut scene.actuation, path)?;
+        let warning = inputs_table::apply_inputs(&scene.mechanism, &mut scene.actuation, path)?;
+        warning.into_iter().for_each(|text| term.warning(&text));
     }
     let analyse = || System::new(Arc::clone(&scene.mechanism), &scene.actuation);
     let system = announce_work("analysing the mechanism", !term.shows_progress(), analyse)?;

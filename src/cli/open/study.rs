@@ -56,7 +56,7 @@ pub fn nominal_of(
     term: &Term,
 ) -> Result<(Source, Overrides, Scene), Failure> {
     let mut nominal = load_scene(&source, &overrides).map_err(Box::new)?;
-    apply_variables(scene, &mut nominal, &mut overrides)?;
+    apply_variables(scene, &mut nominal, &mut overrides, term)?;
     term.diagnostics(&source, &nominal.warnings);
     Ok((source, overrides, nominal))
 }
@@ -66,6 +66,7 @@ fn apply_variables(
     args: &SceneArgs,
     scene: &mut Scene,
     overrides: &mut Overrides,
+    term: &Term,
 ) -> Result<(), Failure> {
     let (mechanism, actuation) = (&scene.mechanism, &mut scene.actuation);
     if let Some(path) = &args.table {
@@ -76,7 +77,8 @@ fn apply_variables(
                 vec!["a measure without `track` follows the drive".to_owned()],
             ));
         }
-        inputs_table::apply_inputs(mechanism, actuation, path)?;
+        let warning = inputs_table::apply_inputs(mechanism, actuation, path)?;
+        warning.into_iter().for_each(|text| term.warning(&text));
     }
     if let Some(choice) = &args.mode {
         let system = System::new(Arc::clone(mechanism), actuation)?;

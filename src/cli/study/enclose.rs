@@ -2,7 +2,7 @@
 
 use crate::analysis::enclosure::{
     Enclosed, MeasureBand, PieceTolerances, SpanBands, TolerancePlan, allowed_motion,
-    enclose_between, enclose_measures, enclose_motion, shown_names,
+    enclose_between, enclose_measures, enclose_motion, measures_at_all_times, shown_names,
 };
 use crate::analysis::study::{Nominal, ParametricMechanism};
 use crate::charts::bands;
@@ -58,6 +58,8 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
         false => Vec::new(),
     };
     let measures = measures_of(&plan)?;
+    let measures =
+        measures.map(|(poses, bands)| (poses, measures_at_all_times(&plan, bands, &stretches)));
     refuse_interrupted()?;
     if let Some(path) = &args.out {
         write_out(
@@ -142,6 +144,7 @@ fn measures_of(plan: &TolerancePlan) -> Result<Option<(usize, Vec<MeasureBand>)>
             let unknown = MeasureBand {
                 lo: f64::NEG_INFINITY,
                 hi: f64::INFINITY,
+                at_all_times: false,
             };
             Ok(Some((poses, vec![unknown; count])))
         }

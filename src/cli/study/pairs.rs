@@ -98,6 +98,7 @@ pub fn run_pairs(
         let document = json!({
             "schema": format!("mechanim-pairs/{SCHEMA}"),
             "title": study.family.mechanism().title,
+            "complete": ranked.len() == jobs.len(),
             "pairs": rows,
         });
         let path = io::unless_complete(path, ranked.len() == jobs.len());
@@ -146,7 +147,13 @@ fn optimise_pair(
         parameters.retain(|(name, _)| *name != variable.name);
         parameters.push((variable.name.clone(), family.variable_text(variable, *x)));
     }
-    let verified = verify_optimum(&study.source, &study.overrides, parameters, names)?;
+    let passes_singular = family.nominal()?.singular.is_some();
+    let verified = verify_optimum(
+        &study.source,
+        &study.overrides,
+        parameters,
+        (names, passes_singular),
+    )?;
     Ok(PairOptimum { optimum, verified })
 }
 

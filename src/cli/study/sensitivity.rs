@@ -16,7 +16,7 @@ pub fn run_sensitivity(args: &SensitivityArgs, term: &Term) -> Result<Outcome, F
     let plot = plot.transpose()?;
     let study = open_study(&args.scene, &args.vary, DefaultVariables::All, term)?;
     let family = &study.family;
-    let gradients = study.nominal()?.gradients;
+    let nominal = study.nominal()?;
     let rank = match &args.rank {
         Some(name) => study.measure(name)?,
         None => family.study.objective.unwrap_or(0),
@@ -29,7 +29,7 @@ pub fn run_sensitivity(args: &SensitivityArgs, term: &Term) -> Result<Outcome, F
         }
         None => None,
     };
-    let table = SensitivityTable::new(family, &gradients, rank, allowed);
+    let table = SensitivityTable::new(family, &nominal, rank, allowed);
     if let Some(plot) = plot {
         plot.write(&table, rank)?;
     }

@@ -25,6 +25,7 @@ use crate::parts::folder::Folder;
 use crate::parts::plan::{MOST_UNITS, StudyPlan};
 use crate::parts::ranges::shown_ranges;
 use crate::parts::work::{WorkEnd, WorkShare};
+use crate::report::sentences::counted_things;
 use clap::Parser;
 use serde_json::json;
 use std::ops::Range;
@@ -76,11 +77,11 @@ fn create_study(
     };
     let folder = Folder::create(&cut.out, plan, &borrowed_files(files))?;
     let text = format!(
-        "{}: {} {} in {} units of {}\n",
+        "{}: {} {} in {} of {}\n",
         cut.out.display(),
         folder.plan.items,
         counted_items(&folder.plan),
-        folder.plan.units(),
+        counted_things(folder.plan.units() as usize, "unit"),
         folder.plan.unit
     );
     io::print_beside(term, None, &text)?;

@@ -43,7 +43,8 @@ impl From<Status> for Outcome {
     fn from(status: Status) -> Self {
         match status {
             Status::Skipped | Status::Passed => Self::Done,
-            Status::Failed | Status::NotProved => Self::CheckFailed,
+            // A scene that cannot be checked comes with a [`Failure`], whose exit code is its own.
+            Status::Failed | Status::NotProved | Status::Unreadable => Self::CheckFailed,
             Status::NotClosed => Self::NotClosed,
         }
     }

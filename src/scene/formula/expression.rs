@@ -1,5 +1,6 @@
 //! The parser of formulas: from tokens to expression trees.
 
+use super::advice;
 use super::lexer::{Token, TokenKind, tokenize_text};
 use super::node::{DerivativeNode, FormulaNode, NodeKind};
 use crate::diag::{Diagnostic, Span};
@@ -89,7 +90,13 @@ impl<'a> Parser<'a> {
             TokenKind::Sign(c) => format!("`{c}`"),
             TokenKind::End => "the end of the formula".to_owned(),
         };
-        Diagnostic::error(format!("expected {wanted}, found {found}")).at(token.span.clone())
+        let diagnostic = Diagnostic::error(format!("expected {wanted}, found {found}"));
+        let diagnostic = diagnostic.at(token.span.clone());
+        let before = self.next.checked_sub(1).and_then(|k| self.tokens.get(k));
+        match before.and_then(|before| advice::of_neighbours(before, token)) {
+            Some(hint) => diagnostic.hint(hint),
+            None => diagnostic,
+        }
     }
 
     /// Counts one level and one operation against the limits.

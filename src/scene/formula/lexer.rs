@@ -1,5 +1,6 @@
 //! Splits the text of a formula into tokens with their positions, without regard to their meaning.
 
+use super::advice;
 use crate::diag::{Diagnostic, Span};
 use crate::numbers::constant::Constant;
 
@@ -49,7 +50,11 @@ pub fn tokenize_text(text: &str, offset: usize) -> Result<Vec<Token>, Diagnostic
             return Ok(tokens);
         };
         let (kind, length) = read_token(first, rest).map_err(|(message, length)| {
-            Diagnostic::error(message).at(offset + at..offset + at + length)
+            let diagnostic = Diagnostic::error(message).at(offset + at..offset + at + length);
+            match advice::of_character(first) {
+                Some(hint) => diagnostic.hint(hint),
+                None => diagnostic,
+            }
         })?;
         tokens.push(Token {
             kind,

@@ -3,6 +3,7 @@
 //! It is our own because chains and arguments are one language, messages need the position of every name in the file,
 //! and the engine needs affine arguments and exact derivatives of the same tree.
 
+mod advice;
 pub mod chain;
 pub mod compile;
 pub mod expansion;

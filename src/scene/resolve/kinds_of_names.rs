@@ -125,10 +125,10 @@ impl Names {
         });
     }
 
-    /// Takes names that no other use has told the kind of for lengths where these formulas of lengths use them.
-    pub fn infer_lengths(&mut self, nodes: &[FormulaNode], parsed: &Parsed) {
-        for node in nodes {
-            self.note_unknown(node, Some(Kind::Length));
+    /// The kinds of names that no other use has told, from formulas of these kinds.
+    pub fn infer_more_kinds(&mut self, nodes: &[(FormulaNode, Kind)], parsed: &Parsed) {
+        for (node, kind) in nodes {
+            self.note_unknown(node, Some(*kind));
         }
         for (name, node) in parsed.parameters.iter().rev() {
             self.note_unknown(node, self.kind(&name.value));

@@ -2,25 +2,23 @@
 //! long.
 //!
 //! The magnitude of a coordinate is the change that alters one of its equations by as much as the largest term of the
-//! equation at the start values; that of an equation is its response to such changes.
+//! equation at the poses known; that of an equation is its response to such changes.
 
-use crate::model::actuation::{Actuation, INSTANTS};
 use crate::model::mechanism::{Equation, Kind, Mechanism};
 
 /// Exponents of the powers of two that are tried as changes.
 const POWERS: std::ops::Range<i32> = -100..100;
 
-/// Fills in the magnitudes of unknowns and equations that no chain determines.
-pub fn estimate_magnitudes(mechanism: &mut Mechanism, actuation: &Actuation) {
+/// Magnitudes that differ by more than this factor are not of one kind: it is more than any low power makes of a factor of two.
+pub const FAR: f64 = 64.0;
+
+/// Fills in the magnitudes of unknowns and equations that no chain determines, from some poses of the motion.
+pub fn estimate_magnitudes(mechanism: &mut Mechanism, mut poses: Vec<Vec<f64>>) {
     // With any length in a chain the scales are known already.
     let is_number = mechanism.unknowns.iter().any(|u| u.kind == Kind::Number);
     if !mechanism.loops.is_empty() || !mechanism.contacts.is_empty() || !is_number {
         return;
     }
-    let mut poses: Vec<Vec<f64>> = INSTANTS
-        .iter()
-        .map(|share| actuation.start_at(share * actuation.duration))
-        .collect();
     // The equations that each coordinate appears in.
     let mut using = vec![Vec::new(); mechanism.coordinate_count()];
     for equation in &mechanism.equations {
@@ -73,11 +71,15 @@ fn unknown_magnitude(using: &[&Equation], poses: &mut [Vec<f64>], slot: usize) -
     sound_magnitude(least.max(given)).unwrap_or(1.0)
 }
 
-/// The magnitude of an equation's terms: its value, or the change when one of its coordinates is set to zero.
+/// The magnitude of an equation's terms: its value, or the change when one of its coordinates is set to zero; half-way to it if there
+/// is a pole there, or nearly.
 pub fn equation_terms(equation: &Equation, pose: &mut [f64]) -> f64 {
     let mut reach = finite_or_zero(equation.expression.value(pose));
     for slot in equation.expression.slots() {
-        reach = reach.max(moved_equation(equation, pose, slot, -pose[slot]));
+        let [whole, half] =
+            [1.0, 0.5].map(|share| moved_equation(equation, pose, slot, -share * pose[slot]));
+        let is_far = whole == 0.0 || whole > FAR * half;
+        reach = reach.max(if is_far { half } else { whole });
     }
     reach
 }

@@ -333,7 +333,8 @@ fn resolve_taking(
     let wanted = taking.width();
     if found != wanted {
         let name = &take.value;
-        let message = format!("`{name}` takes {wanted} formula(s) in `of`, found {found}");
+        let s = if wanted == 1 { "" } else { "s" };
+        let message = format!("`{name}` takes {wanted} formula{s} in `of`, found {found}");
         diagnostics.push(Diagnostic::error(message).at(take.span.clone()));
         return None;
     }

@@ -27,6 +27,7 @@ mod rates;
 mod refused_names;
 mod scales;
 mod section;
+mod settled_starts;
 mod shown_dimensions;
 mod size;
 mod solid_formulas;
@@ -55,6 +56,7 @@ use meshes::MeshFiles;
 use names::Names;
 use outputs::Scope;
 use parsed::Parsed;
+use settled_starts::start_poses;
 use size::mechanism_size;
 use std::sync::Arc;
 
@@ -73,7 +75,8 @@ pub fn resolve_scene(
     let mut names = Names::collect(file, &parsed, &angle_unit, diagnostics);
     names.infer_kinds(&parsed, diagnostics);
     if overrides.carries_shapes {
-        names.infer_lengths(&solid_formulas::lengths_of_solids(file), &parsed);
+        let of_solids = solid_formulas::dimensions_of_solids(file, &parsed);
+        names.infer_more_kinds(&of_solids, &parsed);
     }
     names.evaluate_parameters(&parsed, diagnostics);
     // Variables of a study become constant inputs, with parameters computed from them written out.
@@ -268,9 +271,15 @@ fn estimate_numbers(
     for pin in &parsed.bars.pins {
         pin.start(mechanism, actuation);
     }
-    mechanism.size = size.unwrap_or_else(|| mechanism_size(mechanism, actuation, names));
-    scales::estimate_scales(mechanism, actuation);
-    magnitudes::estimate_magnitudes(mechanism, actuation);
+    let own: Vec<&str> = parsed
+        .equations
+        .iter()
+        .map(|(name, _)| name.value.as_str())
+        .collect();
+    let poses = start_poses(mechanism, actuation, &own);
+    mechanism.size = size.unwrap_or_else(|| mechanism_size(mechanism, (actuation, &poses), names));
+    scales::estimate_scales(mechanism, poses.clone());
+    magnitudes::estimate_magnitudes(mechanism, poses);
 }
 
 fn nothing_to_solve() -> Diagnostic {

@@ -181,6 +181,9 @@ impl Names {
         let diagnostic = Diagnostic::error(format!("`{name}` is not defined"))
             .at(span.clone())
             .label("no parameter, no input, and no loop determines it");
+        if name == TIME {
+            return diagnostic.hint("the time is known in the formulas of inputs only");
+        }
         self.suggest(diagnostic, name, self.all())
     }
 

@@ -4,7 +4,6 @@
 //! Loops and equations that share a length have the same unit, since the sums of one enter the other.
 
 use super::magnitudes::{equation_terms, finite_or_zero, moved_equation};
-use crate::model::actuation::{Actuation, INSTANTS};
 use crate::model::chain::{ChainStep, ElementaryMotion};
 use crate::model::mechanism::{Equation, Kind, Loop, Mechanism};
 use std::f64::consts::TAU;
@@ -16,12 +15,8 @@ const STEP: f64 = 1.0 / 1024.0;
 /// An offset smaller than this multiple of its own error is the rounding error of folded constants.
 const CLEAR: f64 = 1e3;
 
-/// Assigns a unit to every loop, coordinate and equation of `mechanism`, whose size is known.
-pub fn estimate_scales(mechanism: &mut Mechanism, actuation: &Actuation) {
-    let mut poses: Vec<Vec<f64>> = INSTANTS
-        .iter()
-        .map(|share| actuation.start_at(share * actuation.duration))
-        .collect();
+/// Assigns a unit to every loop, coordinate and equation of `mechanism`, whose size is known, from some poses of its motion.
+pub fn estimate_scales(mechanism: &mut Mechanism, mut poses: Vec<Vec<f64>>) {
     // The length of every loop and equation, with the coordinates that it shares with others.
     let of_loops = mechanism.loops.iter();
     let of_loops =

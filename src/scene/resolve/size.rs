@@ -19,7 +19,11 @@ const MOST_PARTS: usize = 400;
 /// The characteristic length: the longest bar or fixed offset between two joints of its loops; otherwise the largest
 /// length parameter, driven length or constant of a chain; otherwise the largest term of an equation between lengths; otherwise
 /// the largest lead of a screw; otherwise one.
-pub(super) fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -> f64 {
+pub(super) fn mechanism_size(
+    mechanism: &Mechanism,
+    (actuation, poses): (&Actuation, &[Vec<f64>]),
+    names: &Names,
+) -> f64 {
     // Fixed offsets and bars are the most reliable lengths: they do not depend on a pose.
     let fixed = mechanism
         .loops
@@ -50,7 +54,7 @@ pub(super) fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names
         return longest;
     }
     // Contacts and bars alone, with their radii and lengths in formulas.
-    let longest = equation_lengths(mechanism, actuation).fold(0.0, f64::max);
+    let longest = equation_lengths(mechanism, poses).fold(0.0, f64::max);
     if longest > 0.0 {
         return longest;
     }
@@ -66,19 +70,16 @@ fn chain_constants(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
     chains.flat_map(|chain| chain.written_lengths(&mechanism.arguments))
 }
 
-/// The largest terms of the equations at the start values, as lengths.
-fn equation_lengths(mechanism: &Mechanism, actuation: &Actuation) -> impl Iterator<Item = f64> {
+/// The largest terms of the equations at some poses, as lengths.
+fn equation_lengths(mechanism: &Mechanism, poses: &[Vec<f64>]) -> impl Iterator<Item = f64> {
     let of_lengths = mechanism
         .equations
         .iter()
         .filter(|e| e.length_exponent > 0.0);
-    let pairs = of_lengths.flat_map(|e| INSTANTS.map(|share| (e, share)));
-    pairs.map(|(equation, share)| {
-        let mut pose = actuation.start_at(share * actuation.duration);
-        libm::pow(
-            equation_terms(equation, &mut pose),
-            1.0 / equation.length_exponent,
-        )
+    let pairs = of_lengths.flat_map(|equation| poses.iter().map(move |pose| (equation, pose)));
+    pairs.map(|(equation, pose)| {
+        let terms = equation_terms(equation, &mut pose.clone());
+        libm::pow(terms, 1.0 / equation.length_exponent)
     })
 }
 

@@ -210,7 +210,7 @@ fn resolve_label(
         (None, Some(trace)) => on_trace(trace, label, point, constants, traces, diagnostics)?,
         _ => {
             diagnostics.push(
-                Diagnostic::error("a label needs a `body` or a `trace`")
+                Diagnostic::error("a label needs either a `body` or a `trace`")
                     .at(label.text.span.clone())
                     .hint("write body = \"…\" with point = […], or trace = \"…\" with time = …"),
             );

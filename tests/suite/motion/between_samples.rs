@@ -396,3 +396,55 @@ fn a_motion_that_is_mostly_not_proved_does_not_pass() {
         }
     }
 }
+
+/// A drive that jumps has a motion on both sides, and none from one to the other.
+#[test]
+fn no_motion_is_said_to_lead_over_a_jump() {
+    let folder = Workspace::new();
+    let step = "{ keys = [[0, 0], [0.5, 0.4], [1, 0.9]], ease = \"step\" }";
+    let rows = [
+        ("\"t + 1e-9*floor(t)\"", 2.0, 2),
+        ("\"0.3*floor(3*t)\"", 2.0, 6),
+        ("\"mod(t, 0.7)\"", 2.0, 2),
+        (step, 1.0, 2),
+        ("\"abs(mod(t, 1) - 0.5)\"", 2.0, 0),
+        ("\"floor(t)*(t - 1)\"", 1.5, 0),
+        ("\"sin(t)\"", 2.0, 0),
+    ];
+    for (drive, duration, jumps) in rows {
+        let text = format!(
+            "duration = {duration}\n[inputs]\nphi = {drive}\n[loops]\n\
+             A = \"Rz(phi) Tx(40) Rz(alpha) Tx(80) Rz(beta) Tx(-h)\"\n[guess]\nh = 100\n"
+        );
+        folder.write("jump.toml", text);
+        let run = folder
+            .run(&["check", "jump.toml", "--samples", "9", "--json", "r.json"])
+            .exits(0);
+        let report: Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
+        let between = &report["between"];
+        let found = between["jumps"].as_array().unwrap().len();
+        assert_eq!(found, jumps, "{drive}\n{}", run.text());
+        assert_eq!(between["proved"], jumps == 0, "{drive}");
+        let line = if jumps == 0 {
+            "proved everywhere\n"
+        } else {
+            "proved everywhere except over"
+        };
+        assert!(run.text().contains(line), "{drive}\n{}", run.text());
+        // What is asked for must be proved.
+        let asked = folder.run(&[
+            "check",
+            "jump.toml",
+            "--samples",
+            "9",
+            "--certify",
+            "motion",
+        ]);
+        assert_eq!(
+            asked.code,
+            i32::from(jumps > 0),
+            "{drive}\n{}",
+            asked.text()
+        );
+    }
+}

@@ -12,6 +12,7 @@ mod driven_excursions;
 mod dyads;
 mod endings;
 mod excursions;
+mod far_guesses;
 mod fold_rates;
 mod gimbal;
 mod hard_cases;

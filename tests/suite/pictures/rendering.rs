@@ -250,6 +250,16 @@ fn a_file_that_cannot_hold_what_is_asked_is_refused() {
         ),
         (
             "x.gif",
+            &["--trail-length", "1"],
+            &["--trail-length is for trails that fade", "--trails fading"],
+        ),
+        (
+            "x.gif",
+            &["--arrow-scale", "1"],
+            &["--arrow-scale has no effect without arrows", "--arrows"],
+        ),
+        (
+            "x.gif",
             &["--orbit", "1e9"],
             &["--orbit", "between -36000 and 36000"],
         ),
@@ -679,5 +689,51 @@ fn snapshots_are_not_written_in_ci_nor_without_a_list() {
             .exits(2)
             .prints_nothing()
             .says(&[says]);
+    }
+}
+
+/// Coordinates of a text file are as exact as its bodies need, wherever they stand; binary files say what they cannot hold.
+#[test]
+fn solids_far_from_the_origin_keep_their_shape() {
+    let w = Workspace::new();
+    for (place, is_told) in [(0.0, false), (1e3, false), (1e7, true), (1e9, true)] {
+        let ball = place + 20.0;
+        let text = format!(
+            "duration = 1\n[inputs]\nx = \"t\"\n[[bodies]]\nname = \"box\"\nframe = \"Ty(x)\"\n\
+             shapes = [{{ box = {{ center = [{place:?}, 0, 0], size = [10, 2, 2] }} }}]\n[[bodies]]\nname = \"ball\"\n\
+             shapes = [{{ sphere = {{ center = [{ball:?}, 0, 0], radius = 2 }} }}]\n"
+        );
+        w.write("far.toml", text);
+        w.run(&["render", "far.toml", "--at", "0", "--out", "far.obj"])
+            .exits(0);
+        let obj = String::from_utf8(w.read("far.obj")).unwrap();
+        let corners: Vec<Vec<f64>> = obj
+            .lines()
+            .filter_map(|line| line.strip_prefix("v "))
+            .map(|line| {
+                line.split(' ')
+                    .map(|number| number.parse().unwrap())
+                    .collect()
+            })
+            .collect();
+        // Corners of the ball are on it, those of the box at its edges.
+        let off = corners.iter().map(|c| {
+            let [x, y, z] = [c[0] - ball, c[1], c[2]];
+            match x.abs() < 5.0 {
+                true => ((x * x + y * y + z * z).sqrt() - 2.0).abs(),
+                false => ((c[0] - place).abs() - 5.0)
+                    .abs()
+                    .max((y.abs() - 1.0).abs()),
+            }
+        });
+        let off = off.fold(0.0, f64::max);
+        assert!(off < 1e-6, "{place}: {off}");
+        for out in ["far.stl", "far.glb"] {
+            let run = w
+                .run(&["render", "far.toml", "--at", "0", "--out", out])
+                .exits(0);
+            let told = run.stderr.contains("single precision");
+            assert_eq!(told, is_told, "{out} at {place}");
+        }
     }
 }

@@ -909,3 +909,63 @@ fn measures_without_a_bound_keep_no_limit() {
         assert!(!text.contains("kept by every piece"), "{measure}: {text}");
     }
 }
+
+/// Extremes between the poses of a measure: with `--between` they count, without they are said to be of the poses.
+#[test]
+fn limits_are_judged_at_all_times_where_that_is_asked() {
+    let folder = Workspace::new();
+    // h = r cos φ + √(L² - r² sin² φ) with a dip of 60 about t = 0.789, narrower than the poses of a measure are apart.
+    let text = "units = { length = \"mm\" }\nduration = 1\n[inputs]\nphi = \"t\"\nd = \"60*exp(-((t - 0.789)/5e-4)^2)\"\n\
+                [parameters]\nr = 40\n[loops]\nA = \"Rz(phi) Tx(r) Rz(alpha) Tx(80) Rz(beta) Tx(-h)\"\n[guess]\nh = 100\n\
+                [outputs]\nleft = \"h - d\"\n[measures]\nleast = { of = \"left\", take = \"min\", min = 70 }\n\
+                twice = \"2*least\"\nhigh = { of = \"h\", take = \"max\", max = 121 }\nmean = { of = \"h\", take = \"mean\" }\n";
+    folder.write("dip.toml", text);
+    let args = [
+        "enclose",
+        "dip.toml",
+        "--tolerance",
+        "0.1",
+        "--samples",
+        "21",
+        "--out",
+        "b.json",
+    ];
+    let read = || -> Value { serde_json::from_slice(&folder.read("b.json")).unwrap() };
+    let run = folder.run(&args).exits(0);
+    assert!(
+        run.text().contains("kept by every piece at these poses"),
+        "{}",
+        run.text()
+    );
+    assert_eq!(read()["measures"]["least"]["at_all_times"], false);
+    let run = folder.run(&[&args[..], &["--between"]].concat()).exits(1);
+    let text = run.text();
+    assert!(text.contains("at least 70.0000: not proved"), "{text}");
+    assert!(
+        text.contains("at most 121.000: kept by every piece at all times"),
+        "{text}"
+    );
+    let measures = read()["measures"].clone();
+    for (name, at_all_times) in [
+        ("least", true),
+        ("twice", true),
+        ("high", true),
+        ("mean", false),
+    ] {
+        assert_eq!(measures[name]["at_all_times"], at_all_times, "{name}");
+    }
+    // By hand: the least value as drawn, at the bottom of the dip to a thousandth.
+    let (sine, cosine) = 0.789_f64.sin_cos();
+    let drawn = 40.0 * cosine + (6400.0 - 1600.0 * sine * sine).sqrt() - 60.0;
+    let ends = |name: &str| {
+        [&measures[name]["lo"], &measures[name]["hi"]].map(|end| end.as_f64().unwrap())
+    };
+    assert!(
+        ends("least")[0] < drawn && ends("least")[1] > drawn,
+        "{measures}"
+    );
+    assert!(
+        ends("twice")[0] < 2.0 * drawn && ends("twice")[1] > 2.0 * drawn,
+        "{measures}"
+    );
+}

@@ -579,3 +579,40 @@ fn what_no_tolerance_can_follow_is_refused() {
         assert!(text.contains(message), "{run:?} {text}");
     }
 }
+
+/// `all` takes every length and angle that shapes depend on: of their points, sizes and frames.
+#[test]
+fn dimensions_of_frames_of_solids_vary() {
+    let folder = Workspace::new();
+    // The right face of the box is at 1 + s + size/2 and turns with `a`; the ball stands at 9.
+    let text = "units = { length = \"mm\", angle = \"deg\" }\nduration = 1\n[inputs]\nx = \"t\"\n[parameters]\ns = 2\na = 0\n\
+                [[bodies]]\nname = \"block\"\nframe = \"Tx(x)\"\n\
+                shapes = [{ box = { size = [2, 2, 2] }, frame = \"Tx(s) Rz(a)\" }]\n\
+                [[bodies]]\nname = \"ball\"\nshapes = [{ sphere = { center = [9, 0, 0], radius = 1 } }]\n[clearance]\nminimum = 3.5\n";
+    folder.write("frame.toml", text);
+    for vary in [None, Some("s,a"), Some("all")] {
+        let mut args = vec![
+            "check",
+            "frame.toml",
+            "--made-within",
+            "0.6",
+            "--json",
+            "r.json",
+        ];
+        args.extend(vary.into_iter().flat_map(|names| ["--vary", names]));
+        // 9 - 1 - (1 + 2 + 1) = 4 as drawn; 3.4 for a piece with s = 2.6.
+        let run = folder.run(&args).exits(1);
+        let report: Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
+        let dimensions = report["pieces"]["dimensions"].clone();
+        let dimensions = match dimensions.is_null() {
+            true => report["clearance"]["pieces"]["dimensions"].clone(),
+            false => dimensions,
+        };
+        assert_eq!(
+            dimensions.as_object().map(|d| d.len()),
+            Some(2),
+            "{vary:?} {report}"
+        );
+        assert!(run.text().contains("2 dimensions"), "{}", run.text());
+    }
+}

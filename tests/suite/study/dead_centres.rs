@@ -347,3 +347,28 @@ fn a_singular_pose_takes_no_derivative_from_what_does_not_depend_on_it() {
     );
     w.run(&["sensitivity", "s.toml"]).exits(0);
 }
+
+/// A four-bar that folds flat where d = a: the search ends there, and its motion may go on in either assembly.
+#[test]
+fn an_optimum_at_a_change_point_is_not_confirmed() {
+    let folder = Workspace::new();
+    let four_bar = |d: f64| {
+        format!(
+            "units = {{ length = \"mm\" }}\nduration = 1\n[inputs]\nphi = \"2*pi*t\"\n[parameters]\na = 30\nb = 50\nc = 50\nd = {d}\n\
+             [loops]\nA = \"Rz(phi) Tx(a) Rz(alpha) Tx(b) Rz(beta) Tx(c) Rz(gamma) Tx(-d)\"\n[guess]\nalpha = 1\nbeta = 2\n\
+             [measures]\nF = \"(d - 30)^2\"\nmx = {{ of = \"beta\", take = \"max\" }}\n[study]\nminimise = \"F\"\n\
+             [study.variables]\nd = {{ min = 29.5, max = 40 }}\n"
+        )
+    };
+    folder.write("change.toml", four_bar(33.0));
+    let run = folder.run(&["optimise", "change.toml"]).exits(1);
+    assert!(
+        run.text()
+            .contains("Not confirmed: the motion passes a singular pose"),
+        "{}",
+        run.text()
+    );
+    // Where the file's own motion passes one, its result may.
+    folder.write("flat.toml", four_bar(30.0));
+    folder.run(&["optimise", "flat.toml"]).exits(0);
+}

@@ -215,7 +215,7 @@ fn minimax_improves_the_torus_pair_and_keeps_its_pressure_angle() {
             (family.study.variables[k].name.clone(), format!("{value:?}"))
         })
         .collect();
-    let again = verify_optimum(&source, &Overrides::default(), parameters, &[]).unwrap();
+    let again = verify_optimum(&source, &Overrides::default(), parameters, (&[], false)).unwrap();
     assert_eq!(again.unproved, 0);
     assert!((again.measures[0] - found.minimum.value).abs() < 1e-9);
     assert!(again.measures[2].to_degrees() <= 60.0 + 1e-3);

@@ -519,3 +519,64 @@ fn limits_of_an_optimum_are_those_of_the_whole_motion() {
         assert!((value - told).abs() < 1e-6, "{value} {told}");
     }
 }
+
+/// |e| and what is made of it have no derivative at e = 0, nor has an extreme that two poses share; the others have.
+#[test]
+fn derivatives_of_one_side_are_told() {
+    let w = Workspace::new();
+    let text = |e: f64| {
+        format!(
+            "units = {{ length = \"mm\" }}\nduration = 1\n[parameters]\nr = 40\nL = 95\ne = {e}\nq = 40\n[inputs]\nphi = \"2*pi*t\"\n\
+             [loops]\nA = \"Rz(phi) Tx(r) Rz(alpha) Tx(L) Rz(beta) T(-h, -e, 0)\"\n[guess]\nh = 120\n\
+             [outputs]\nsize = \"abs(e)\"\n[measures]\n\
+             swing = {{ of = \"beta\", take = \"largest\" }}\nsize = {{ of = \"size\", take = \"mean\" }}\n\
+             twice = \"2*size\"\nmost = {{ of = \"max(r, q)\", take = \"last\" }}\nstep = {{ of = \"mod(r, 40)\", take = \"first\" }}\n\
+             stroke = {{ of = \"h\", take = \"range\" }}\nsquare = {{ of = \"e^2 + h\", take = \"mean\" }}\nreach = {{ of = \"h\", take = \"first\" }}\n"
+        )
+    };
+    let rows: [(f64, &[&str]); 2] = [
+        (0.0, &["swing", "size", "twice", "most", "step"]),
+        (0.5, &["most", "step"]),
+    ];
+    for (e, known) in rows {
+        w.write("kink.toml", text(e));
+        let run = w
+            .run(&["sensitivity", "kink.toml", "--out", "s.json"])
+            .exits(0);
+        let report: Value = serde_json::from_slice(&w.read("s.json")).unwrap();
+        let told: Vec<&str> = report["one_sided"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter_map(Value::as_str)
+            .collect();
+        assert_eq!(told, known, "{e}\n{}", run.text());
+        assert!(
+            run.text()
+                .contains(&format!("share an extreme: {}.", known.join(", ")))
+        );
+    }
+}
+
+/// The table tells the measures as drawn even if no piece can be assembled.
+#[test]
+fn measures_are_told_where_no_piece_can_be_assembled() {
+    let w = Workspace::new();
+    // The measure has a value for the file's dimension alone.
+    let text = "units = { length = \"mm\" }\nduration = 1\n[parameters]\nd = 10\n[inputs]\nphi = \"0.1*t\"\n\
+                [loops]\nA = \"Rz(phi) Tx(d) Rz(alpha) Tx(20) Rz(beta) Tx(-h)\"\n[guess]\nh = 30\n\
+                [measures]\nreach = { of = \"h + sqrt(-(d - 10)^2)\", take = \"first\" }\n";
+    w.write("never.toml", text);
+    let run = w.run(&[
+        "tolerance",
+        "never.toml",
+        "--vary",
+        "d",
+        "--tolerance",
+        "1e-3",
+        "--pieces",
+        "2",
+    ]);
+    let table = run.text();
+    assert!(table.contains("  reach "), "{table}");
+}

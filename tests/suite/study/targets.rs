@@ -527,3 +527,56 @@ fn weights_do_not_change_what_a_mean_is() {
         "{none} {nothing} {near}"
     );
 }
+
+/// The phase of a row that does not count is not looked at either.
+#[test]
+fn rows_without_weight_are_in_no_order() {
+    let w = Workspace::new();
+    w.write("s.toml", FOUR_BAR);
+    let source = Source {
+        name: "four-bar".to_owned(),
+        text: FOUR_BAR.to_owned(),
+    };
+    let scene = load_scene(&source, &Overrides::default()).unwrap();
+    let name = scene.mechanism.traces[0].name.clone();
+    let table = motion_table(&source, &[(&name, "x"), (&name, "y")], 9);
+    // Without times the input is free in every row. Row 4 repeats the first point: out of order, unless it does not count.
+    let rows: Vec<String> = table
+        .lines()
+        .map(|line| line.split_once(',').unwrap().1.to_owned())
+        .collect();
+    let found = |weight: &str| {
+        let mut lines = vec![format!("{},weight", rows[0])];
+        for (k, row) in rows.iter().enumerate().skip(1) {
+            let (row, own) = if k == 4 {
+                (&rows[1], weight)
+            } else {
+                (row, "1")
+            };
+            lines.push(format!("{row},{own}"));
+        }
+        w.write("t.csv", lines.join("\n"));
+        let args = [
+            "synthesise",
+            "s.toml",
+            "--target",
+            "t.csv",
+            "--vary",
+            &scene.dimensions[0],
+            "--starts",
+            "1",
+            "--json",
+            "t.json",
+        ];
+        let text = run(&w, &args).text();
+        (text, document(&w, "t.json")["in_order"].clone())
+    };
+    let (text, in_order) = found("0");
+    assert_eq!(in_order, true, "{text}");
+    assert!(
+        text.contains("7 of 7 met") || text.contains("8 of 8 met"),
+        "{text}"
+    );
+    let (text, in_order) = found("1");
+    assert_eq!(in_order, false, "{text}");
+}

@@ -291,10 +291,7 @@ fn numbers_out_of_range_are_refused_with_the_range() {
         (["--quality", "101"], "between 1 and 100"),
         (["--size", "0x10"], "at least one pixel"),
         (["--size", "640"], "640x480"),
-        (
-            ["--size", "100000x100000"],
-            "at most 15360 pixels a side and 64 million in all",
-        ),
+        (["--size", "100000x100000"], "at most 15360 pixels a side"),
         (["--size", "15360x15360"], "64 million in all"),
         (["--size", "4294967296x1"], "WIDTHxHEIGHT"),
         (["--renderer", "magic"], "possible values: auto, gpu, cpu"),
@@ -942,4 +939,41 @@ fn motion_is_proved_on_request() {
     ])
     .exits(2)
     .says(&["no motion to certify"]);
+}
+
+/// A column that may have been meant as the time is not ignored in silence.
+#[test]
+fn tables_without_a_time_say_what_they_ignore() {
+    let w = Workspace::new();
+    w.write(
+        "crank.toml",
+        "duration = 1\n[inputs]\nphi = \"t\"\n[loops]\nA = \"Rz(phi) Tx(40) Rz(alpha) Tx(80) Rz(beta) Tx(-h)\"\n[guess]\nh = 100\n",
+    );
+    let rows = [
+        ("phi\n0\n1\n", ""),
+        ("time,phi\n0,0\n9,1\n", ""),
+        ("time;note;phi\n0;1;0\n9;2;1\n", ""),
+        (
+            "zeit,phi\n0,0\n9,1\n",
+            "no column `time`: row k is at k seconds, column `zeit` is ignored",
+        ),
+        (
+            "zeit;phi;h\n0;0;1\n9;1;1\n",
+            "columns `zeit`, `h` are ignored",
+        ),
+    ];
+    for (table, told) in rows {
+        w.write("t.csv", table);
+        for verb in ["solve", "check"] {
+            let run = w
+                .run(&[verb, "crank.toml", "--input-table", "t.csv"])
+                .exits(0);
+            assert_eq!(
+                run.stderr.contains("ignored"),
+                !told.is_empty(),
+                "{verb} {table}"
+            );
+            assert!(run.stderr.contains(told), "{verb} {table}\n{}", run.stderr);
+        }
+    }
 }

@@ -95,6 +95,53 @@ fn a_scene_with_mistakes_is_told_and_the_others_are_checked() {
     );
 }
 
+/// A report of an earlier run must not be taken for one of this run.
+#[test]
+fn a_single_scene_that_cannot_be_checked_has_reports_that_say_so() {
+    let w = workspace();
+    let files = ["r.json", "r.xml", "r.sarif", "r.md"];
+    let reports = [
+        "--json",
+        files[0],
+        "--junit",
+        files[1],
+        "--sarif",
+        files[2],
+        "--summary",
+        files[3],
+    ];
+    let rows: [(&[&str], &str); 3] = [
+        (&["wrong.txt"], "lops"),
+        (&["missing.toml"], "No such file"),
+        (&["good.toml", "--param", "nothing=3"], "nothing"),
+    ];
+    for (scene, why) in rows {
+        w.run(&[&["check", "good.toml"], &reports[..]].concat())
+            .exits(0);
+        w.run(&[&["check"], scene, &reports[..]].concat())
+            .exits(2)
+            .prints_nothing()
+            .says(&[why]);
+        let json: Value = serde_json::from_slice(&w.read(files[0])).unwrap();
+        assert_eq!(json["schema"], "mechanim-check/1");
+        assert_eq!(json["result"], "cannot be checked");
+        assert_eq!(json["checks"][0]["group"], "scene");
+        assert!(
+            json["checks"][0]["text"].as_str().unwrap().contains(why),
+            "{json}"
+        );
+        let junit = String::from_utf8(w.read(files[1])).unwrap();
+        assert!(
+            junit.contains("errors=\"1\"") && junit.contains("cannot-be-checked"),
+            "{junit}"
+        );
+        let sarif: Value = serde_json::from_slice(&w.read(files[2])).unwrap();
+        assert_eq!(sarif["runs"][0]["results"][0]["level"], "error");
+        let summary = String::from_utf8(w.read(files[3])).unwrap();
+        assert!(summary.contains("cannot be checked"), "{summary}");
+    }
+}
+
 #[test]
 fn what_is_about_one_scene_is_refused_for_several() {
     let w = workspace();

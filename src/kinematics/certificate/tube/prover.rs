@@ -104,14 +104,18 @@ impl<'m> Prover<'m> {
         self
     }
 
-    /// Whether a sample's inputs are those of the tube at that time, which fails at a jump of the drive. Tubes begin
-    /// and end with the exact poses of samples with their inputs.
-    pub fn has_inputs(&self, tube: &Tube, sample: &Sample) -> bool {
-        let (start, end) = (tube.start, tube.end);
+    /// Where drives and joints that depend on the time alone jump.
+    pub fn jumps_between(&self, start: f64, end: f64) -> Jumps {
         let of_placed = self
             .jumping()
             .map(|(_, timed)| timed.jumps_between(start, end));
-        let jumps = of_placed.fold(self.actuation.jumps_between(start, end), Jumps::and);
+        of_placed.fold(self.actuation.jumps_between(start, end), Jumps::and)
+    }
+
+    /// Whether a sample's inputs are those of the tube at that time, which fails at a jump of the drive. Tubes begin
+    /// and end with the exact poses of samples with their inputs.
+    pub fn has_inputs(&self, tube: &Tube, sample: &Sample) -> bool {
+        let jumps = self.jumps_between(tube.start, tube.end);
         if (jumps.at_start && sample.time == tube.start)
             || (jumps.at_end && sample.time == tube.end)
         {

@@ -1,0 +1,171 @@
+//! Poses at which the size of numbers is learned. Start values may be orders of magnitude away from any solution, and with them
+//! the terms of the equations: what is rounding there would be a large error at the solution. So equations are solved roughly first.
+
+use super::magnitudes::{FAR, equation_terms};
+use crate::linalg::pivoted_qr::PivotedQr;
+use crate::model::actuation::{Actuation, INSTANTS};
+use crate::model::mechanism::{Equation, Mechanism};
+
+/// An equation is roughly solved where its value is this fraction of its terms.
+const SOLVED: f64 = 1e-6;
+
+/// Most Newton steps: a cube root from a start value of 1e9 takes fifty.
+const STEPS: usize = 200;
+
+/// Halvings of a step that does not improve the equations.
+const HALVINGS: i32 = 30;
+
+/// Powers of two by which an unknown is moved where no step leads on.
+const POWERS: std::ops::Range<i32> = -40..40;
+
+/// Columns that are smaller than this fraction of the largest are no direction of a step.
+const DEPENDENT: f64 = 1e-12;
+
+/// Most unknowns of equations that are solved here.
+const MOST_UNKNOWNS: usize = 40;
+
+/// Start values with the inputs at [`INSTANTS`]; the unknowns of the equations named in `own` are near a solution if that changes
+/// the magnitude of a term.
+pub fn start_poses(mechanism: &Mechanism, actuation: &Actuation, own: &[&str]) -> Vec<Vec<f64>> {
+    let starts = INSTANTS.map(|share| actuation.start_at(share * actuation.duration));
+    let starts = starts.to_vec();
+    let equations = mechanism.equations.iter();
+    let equations: Vec<&Equation> = equations
+        .filter(|equation| own.contains(&equation.name.as_str()))
+        .collect();
+    let unknowns = mechanism.unknowns.len();
+    let mut slots: Vec<usize> = equations
+        .iter()
+        .flat_map(|e| e.expression.slots())
+        .collect();
+    slots.retain(|slot| *slot < unknowns);
+    slots.sort_unstable();
+    slots.dedup();
+    if slots.is_empty() || slots.len() > MOST_UNKNOWNS {
+        return starts;
+    }
+    let mut settled: Vec<Vec<f64>> = Vec::with_capacity(starts.len());
+    for start in &starts {
+        let mut pose = start.clone();
+        // Each from the one before, as a motion goes on.
+        if let Some(before) = settled.last() {
+            pose[..unknowns].copy_from_slice(&before[..unknowns]);
+        }
+        if !settle(&mut pose, &equations, &slots) {
+            return starts;
+        }
+        settled.push(pose);
+    }
+    let largest = |poses: &[Vec<f64>], equation: &Equation| {
+        let terms = poses
+            .iter()
+            .map(|pose| equation_terms(equation, &mut pose.clone()));
+        terms.fold(0.0, f64::max)
+    };
+    let is_far = equations.iter().any(|equation| {
+        let [a, b] = [&starts, &settled].map(|poses| largest(poses, equation));
+        a > FAR * b || b > FAR * a
+    });
+    match is_far {
+        true => settled,
+        false => starts,
+    }
+}
+
+/// Moves the unknowns in `slots` until the equations are roughly solved; whether they are.
+fn settle(pose: &mut [f64], equations: &[&Equation], slots: &[usize]) -> bool {
+    let mut factors = PivotedQr::default();
+    for _ in 0..STEPS {
+        let values: Vec<f64> = equations.iter().map(|e| e.expression.value(pose)).collect();
+        let mut rows = equations.iter().zip(&values);
+        if rows.all(|(equation, value)| value.abs() <= SOLVED * equation_terms(equation, pose)) {
+            return true;
+        }
+        // Newton in units of the unknowns, every row in units of its gradient.
+        let unit = |slot: usize| {
+            if pose[slot] == 0.0 {
+                1.0
+            } else {
+                pose[slot].abs()
+            }
+        };
+        let units: Vec<f64> = slots.iter().map(|slot| unit(*slot)).collect();
+        let mut columns = vec![0.0; equations.len() * slots.len()];
+        let mut scales = vec![0.0_f64; equations.len()];
+        for (i, equation) in equations.iter().enumerate() {
+            let gradient = equation.expression.gradient(pose);
+            for (j, slot) in slots.iter().enumerate() {
+                columns[j * equations.len() + i] = gradient[*slot] * units[j];
+                scales[i] = scales[i].max((gradient[*slot] * units[j]).abs());
+            }
+        }
+        let is_steep = |scale: &f64| scale.is_normal();
+        let step = scales.iter().all(is_steep).then(|| {
+            for (k, entry) in columns.iter_mut().enumerate() {
+                *entry /= scales[k % equations.len()];
+            }
+            factors.factor(&columns, equations.len(), slots.len(), DEPENDENT);
+            let mut right: Vec<f64> = values.iter().zip(&scales).map(|(v, s)| -v / s).collect();
+            let mut step = vec![0.0; slots.len()];
+            factors.solve(&mut right, &mut step);
+            let step = step.iter().zip(&units);
+            step.map(|(step, unit)| step * unit).collect::<Vec<f64>>()
+        });
+        let misfit = |pose: &[f64]| {
+            let rows = equations.iter().zip(&scales);
+            let squares = rows.map(|(equation, scale)| {
+                let scale = if scale.is_normal() { *scale } else { 1.0 };
+                (equation.expression.value(pose) / scale).powi(2)
+            });
+            squares.sum::<f64>()
+        };
+        let moved = step.and_then(|step| shortened(pose, slots, &step, &misfit));
+        let Some(next) = moved.or_else(|| jumped(pose, slots, &units, &misfit)) else {
+            return false;
+        };
+        pose.copy_from_slice(&next);
+    }
+    false
+}
+
+/// The pose after as much of a step as improves the equations.
+fn shortened(
+    pose: &[f64],
+    slots: &[usize],
+    step: &[f64],
+    misfit: &impl Fn(&[f64]) -> f64,
+) -> Option<Vec<f64>> {
+    let before = misfit(pose);
+    let after = |halvings: i32| {
+        let mut next = pose.to_vec();
+        let share = 2f64.powi(-halvings);
+        let moved = slots.iter().zip(step);
+        moved.for_each(|(slot, step)| next[*slot] += share * step);
+        next
+    };
+    (0..HALVINGS).map(after).find(|next| misfit(next) < before)
+}
+
+/// The best pose that a single unknown leads to by far or near, where there is no direction.
+fn jumped(
+    pose: &[f64],
+    slots: &[usize],
+    units: &[f64],
+    misfit: &impl Fn(&[f64]) -> f64,
+) -> Option<Vec<f64>> {
+    let before = misfit(pose);
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    for (slot, unit) in slots.iter().zip(units) {
+        for by in POWERS.flat_map(|power| [unit * 2f64.powi(power), -unit * 2f64.powi(power)]) {
+            let mut next = pose.to_vec();
+            next[*slot] += by;
+            let there = misfit(&next);
+            // Where the equations have no value yet, any value is better.
+            let is_better = there < before || (before.is_nan() && there.is_finite());
+            if is_better && best.as_ref().is_none_or(|(known, _)| there < *known) {
+                best = Some((there, next));
+            }
+        }
+    }
+    best.map(|(_, next)| next)
+}
