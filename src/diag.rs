@@ -348,6 +348,32 @@ pub struct SceneError {
     pub diagnostics: Diagnostics,
 }
 
+impl SceneError {
+    /// The mistakes with their lines and columns, in one line of text: those that fit.
+    pub fn told(&self) -> String {
+        let source = &self.source_text;
+        let mistakes = self.diagnostics.sorted().into_iter();
+        let mistakes = mistakes.filter(|d| d.severity == Severity::Error);
+        let lines = mistakes.map(|mistake| match &mistake.span {
+            Some(span) => {
+                let [line, column] = source.line_and_column(span.start);
+                format!("{}:{line}:{column}: {}", source.name, mistake.message)
+            }
+            None => mistake.message.clone(),
+        });
+        let text = lines.collect::<Vec<_>>().join("; ");
+        cut_text(&text, MOST_SAID).into_owned()
+    }
+
+    /// Line of the first mistake that has one, from 1.
+    pub fn line(&self) -> Option<usize> {
+        let first = self.diagnostics.sorted().into_iter();
+        let mut spans = first.filter_map(|d| d.span.clone());
+        let span = spans.next()?;
+        Some(self.source_text.line_and_column(span.start)[0])
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

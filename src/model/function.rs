@@ -133,9 +133,10 @@ impl Function {
             Self::Ln => [one / a, zero],
             // Functions with kinks take the derivative of the side that the operands are on.
             Self::Abs => [a.choose(-one, one), zero],
+            // Where both are equal the maximum follows the one and the minimum the other: their sum is that of both.
             Self::Min => {
-                let above = b - a;
-                [above.choose(zero, one), above.choose(one, zero)]
+                let above = a - b;
+                [above.choose(one, zero), above.choose(zero, one)]
             }
             Self::Max => {
                 let above = a - b;

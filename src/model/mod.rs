@@ -10,6 +10,7 @@ pub mod clearance;
 pub mod dimension;
 pub mod distance;
 pub mod drive;
+pub mod equation_terms;
 pub mod expression;
 pub mod fixed;
 pub mod function;

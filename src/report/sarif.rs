@@ -1,7 +1,7 @@
 //! Verdicts as SARIF 2.1.0, which code-hosting services show next to the files of a change: one result for every
 //! question that did not pass.
 
-use super::verdict::{CLEARANCE, MEASURES, MOTION, PROOF, SCENE, SceneVerdict, Status};
+use super::verdict::{CLEARANCE, Case, MEASURES, MOTION, PROOF, SCENE, SceneVerdict, Status};
 use serde_json::{Value, json};
 
 /// Explanations of the groups of questions, for readers of a result.
@@ -37,12 +37,29 @@ pub fn to_sarif(judged: &[SceneVerdict]) -> Value {
 fn results_of(one: &SceneVerdict) -> Vec<Value> {
     let cases = one.verdict.cases.iter();
     let bad = cases.filter(|case| case.status > Status::Passed);
-    bad.map(|case| json!({
-        "ruleId": case.group,
-        "level": if case.status == Status::NotProved { "warning" } else { "error" },
-        "message": { "text": format!("{}: {} {}: {}", one.verdict.title, case.name, case.status.word(), case.text) },
-        "locations": [{ "physicalLocation": { "artifactLocation": { "uri": relative_uri(one.source) } } }],
-    })).collect()
+    let message = |case: &Case| match case.status {
+        Status::Unreadable => format!("{}: {}", case.status.word(), case.text),
+        status => format!(
+            "{}: {} {}: {}",
+            one.verdict.title,
+            case.name,
+            status.word(),
+            case.text
+        ),
+    };
+    bad.map(|case| {
+        let mut place = json!({ "artifactLocation": { "uri": relative_uri(one.source) } });
+        if let Some(line) = case.line {
+            place["region"] = json!({ "startLine": line });
+        }
+        json!({
+            "ruleId": case.group,
+            "level": if case.status == Status::NotProved { "warning" } else { "error" },
+            "message": { "text": message(case) },
+            "locations": [{ "physicalLocation": place }],
+        })
+    })
+    .collect()
 }
 
 /// A path as a URI relative to the working directory.
@@ -62,7 +79,7 @@ fn relative_uri(path: &str) -> String {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
-    use crate::report::verdict::{Case, Verdict};
+    use crate::report::verdict::Verdict;
 
     #[test]
     fn only_what_is_wrong_is_a_result() {

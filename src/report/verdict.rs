@@ -69,6 +69,8 @@ pub struct Case {
     pub text: String,
     /// Time of the answer in seconds, if measured.
     pub seconds: Option<f64>,
+    /// Line of the scene that it is about, if it is about one.
+    pub line: Option<usize>,
 }
 
 /// Group of the cases about closing.
@@ -91,6 +93,7 @@ impl Case {
             status,
             text: text.into(),
             seconds: None,
+            line: None,
         }
     }
 
@@ -116,9 +119,12 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// The verdict on a scene that cannot be checked, and why.
-    pub fn unreadable(source: &str, why: String) -> Self {
-        let case = Case::new(SCENE, "can be checked", Status::Unreadable, why);
+    /// The verdict on a scene that cannot be checked, why, and the line of the first mistake.
+    pub fn unreadable(source: &str, why: String, line: Option<usize>) -> Self {
+        let case = Case {
+            line,
+            ..Case::new(SCENE, "can be checked", Status::Unreadable, why)
+        };
         Self {
             title: source.to_owned(),
             cases: vec![case],

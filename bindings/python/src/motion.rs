@@ -3,21 +3,34 @@
 use crate::arguments::{NameList, entries, numbers_shaped};
 use crate::arrow::stream;
 use crate::errors::{OrRaise, argument_error, no_entry, warn};
+use crate::scene::Scene;
 use crate::signals::watched;
 use image::{ImageFormat, RgbaImage};
-use mechanim::{Certificate, Pose};
+use mechanim::{Certificate, Pose, Samples};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyCapsule, PyDict, PyMapping, PyString};
+use pyo3::types::{IntoPyDict, PyBytes, PyCapsule, PyDict, PyMapping, PyString, PyTuple};
 use std::io::Cursor;
 use std::sync::Arc;
 
 /// A solved motion: its values as arrays with one entry per sample, in the scene's units. Samples without a pose are NaN.
+/// Can be pickled: the pickle has what was asked for, and solves it again.
 #[pyclass(frozen, module = "mechanim")]
 pub struct Motion {
     scene: mechanim::Scene,
     inner: Arc<mechanim::Motion>,
+    origin: Origin,
+}
+
+/// What a motion was solved from.
+pub(crate) struct Origin {
+    /// Before rows of inputs replaced its drives.
+    pub scene: Scene,
+    /// Its samples.
+    pub samples: Samples,
+    /// Rows of inputs by their names.
+    pub columns: Vec<(String, Vec<f64>)>,
 }
 
 type Array<'py> = Bound<'py, PyAny>;
@@ -36,7 +49,7 @@ fn shaped<'py, T: numpy::Element>(
 impl Motion {
     pub(crate) fn new(
         py: Python<'_>,
-        scene: mechanim::Scene,
+        (scene, origin): (mechanim::Scene, Origin),
         inner: mechanim::Motion,
     ) -> PyResult<Self> {
         if !inner.is_whole() {
@@ -52,7 +65,11 @@ impl Motion {
             warn(py, "MotionWarning", &message)?;
         }
         let inner = Arc::new(inner);
-        Ok(Self { scene, inner })
+        Ok(Self {
+            scene,
+            inner,
+            origin,
+        })
     }
 
     /// A number of every pose, NaN where there is none.
@@ -84,6 +101,25 @@ impl Motion {
 
 #[pymethods]
 impl Motion {
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let module = py.import("mechanim._mechanim")?;
+        let again = module.getattr("Scene")?.getattr("_solved")?;
+        let (samples, times) = match &self.origin.samples {
+            Samples::Even(count) => (Some(*count), None),
+            Samples::At(times) => (None, Some(times.clone())),
+            _ => (None, None),
+        };
+        let inputs = match self.origin.columns.is_empty() {
+            true => None,
+            false => Some(self.origin.columns.clone().into_py_dict(py)?),
+        };
+        let parts = (self.origin.scene.copied(), samples, times, inputs);
+        Ok((again, parts.into_pyobject(py)?))
+    }
+
     /// Names of all values: inputs, unknowns, traced points as `name.x`, outputs.
     #[getter]
     fn columns(&self) -> Vec<String> {

@@ -146,7 +146,7 @@ impl Scene {
         Ok(self)
     }
 
-    fn copied(&self) -> Self {
+    pub(crate) fn copied(&self) -> Self {
         Self {
             inner: self.inner.clone(),
             folder: self.folder.clone(),
@@ -205,19 +205,42 @@ impl Scene {
         inputs: Option<Bound<'_, PyMapping>>,
     ) -> PyResult<Motion> {
         let times = times.map(|t| numbers(py, "times", t)).transpose()?;
+        let mut columns = Vec::new();
         let (scene, asked) = match (samples, times, inputs) {
             (None, None, None) => (self.inner.clone(), Samples::Frames),
             (Some(count), None, None) => (self.inner.clone(), Samples::Even(count)),
             (None, Some(times), None) => (self.inner.clone(), Samples::At(times)),
-            (None, times, Some(inputs)) => self.driven(py, times, &inputs)?,
+            (None, times, Some(inputs)) => {
+                let (scene, times, own) = self.driven(py, times, &inputs)?;
+                columns = own;
+                (scene, Samples::At(times))
+            }
             _ => {
                 let why =
                     "one of `samples`, `times` and `inputs`; `times` may stand beside `inputs`";
                 return Err(PyTypeError::new_err(why));
             }
         };
+        let origin = Origin {
+            scene: self.copied(),
+            samples: asked.clone(),
+            columns,
+        };
         let motion = interruptible(py, |cancelled| scene.solve_until(asked, cancelled))?;
-        Motion::new(py, scene.clone(), motion.or_raise(py)?)
+        Motion::new(py, (scene.clone(), origin), motion.or_raise(py)?)
+    }
+
+    /// What the pickle of a motion calls.
+    #[staticmethod]
+    #[pyo3(signature = (scene, samples, times, inputs))]
+    fn _solved(
+        py: Python<'_>,
+        scene: &Self,
+        samples: Option<usize>,
+        times: Option<Bound<'_, PyAny>>,
+        inputs: Option<Bound<'_, PyMapping>>,
+    ) -> PyResult<Motion> {
+        scene.solve(py, samples, times.as_ref(), inputs)
     }
 
     /// Checks all requirements of the scene: closure, proofs, limits of measures, clearances between bodies.
@@ -444,7 +467,7 @@ impl Scene {
         py: Python<'_>,
         times: Option<Vec<f64>>,
         inputs: &Bound<'_, PyMapping>,
-    ) -> PyResult<(mechanim::Scene, Samples)> {
+    ) -> PyResult<(mechanim::Scene, Vec<f64>, Vec<(String, Vec<f64>)>)> {
         let (mut columns, mut numbers_alone) = (Vec::new(), Vec::new());
         for (name, values) in entries(inputs)? {
             let column = numbers(py, &name, &values)?;
@@ -474,6 +497,6 @@ impl Scene {
             .map(|(n, v)| (n.as_str(), v.as_slice()))
             .collect();
         let scene = self.inner.with_rows(&times, &slices).or_raise(py)?;
-        Ok((scene, Samples::At(times)))
+        Ok((scene, times, columns))
     }
 }

@@ -51,6 +51,27 @@ def test_scenes_are_values():
     assert (again.solve(samples=5)["h"] == scene.with_inputs(phi="t").solve(samples=5)["h"]).all()
 
 
+@pytest.mark.parametrize(
+    "asked",
+    [
+        {},
+        {"samples": 7},
+        {"times": [0.1, 0.5, 0.9]},
+        {"inputs": {"phi": np.linspace(0, 1, 5)}},
+        {"inputs": {"phi": [0.2, 0.4]}, "times": [0.0, 2.0]},
+        {"inputs": {"phi": 0.3}},
+    ],
+)
+def test_motions_are_solved_again_from_their_pickles(asked):
+    motion = mechanim.load("slider-crank", r=42).solve(**asked)
+    again = pickle.loads(pickle.dumps(motion))
+    assert again.columns == motion.columns and (again.times == motion.times).all()
+    for name in motion:
+        assert np.array_equal(again[name], motion[name], equal_nan=True)
+    # What the copy was solved from is the same.
+    assert again.__reduce__()[1] == motion.__reduce__()[1]
+
+
 def stroke(scene):
     h = scene.solve(samples=20)["h"]
     return float(h.max() - h.min())

@@ -7,6 +7,7 @@ use super::plan::TolerancePlan;
 use crate::kinematics::enclosure::pose::PoseEnclosure;
 use crate::model::expression::Expression;
 use crate::model::measure::{MeasureSource, Taking};
+use crate::numbers::affine_form::AffineForm;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::Scalar;
@@ -30,12 +31,15 @@ fn extreme_formula(source: &MeasureSource) -> Option<(&Expression, Taking)> {
 pub(super) fn extreme_ranges(plan: &TolerancePlan, enclosure: &PoseEnclosure) -> Vec<[f64; 2]> {
     let list = plan.family.measures.list.iter();
     let formulas = list.filter_map(|measure| extreme_formula(&measure.source));
+    let slots: Vec<AffineForm> = (0..enclosure.len()).map(|slot| enclosure.form(slot)).collect();
     let range = |(formula, _): (&Expression, Taking)| {
-        let (form, _) = enclosure.formula(formula);
-        match form.is_finite() {
-            true => [form.range().lo, form.range().hi],
-            false => [f64::NEG_INFINITY, f64::INFINITY],
-        }
+        // By its derivatives, which a kink may lack, and by the ranges of its operands.
+        let forms = [enclosure.formula(formula).0, formula.value(&slots)];
+        let known = forms.iter().filter(|form| form.is_finite());
+        known.fold([f64::NEG_INFINITY, f64::INFINITY], |[lo, hi], form| {
+            let range = form.range();
+            [lo.max(range.lo), hi.min(range.hi)]
+        })
     };
     formulas.map(range).collect()
 }

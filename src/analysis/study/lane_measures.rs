@@ -48,7 +48,7 @@ impl<'f> LaneMeasures<'f> {
                 MeasureSource::Over { taking, power, .. } => {
                     let row = |row: &Row| row.iter().map(|v| v.lane(lane)).collect();
                     let rows: Vec<Vec<f64>> = rows.iter().map(row).collect();
-                    reduce_values(*taking, *power, &rows).map_or(f64::NAN, |r| r.value)
+                    reduce_values(*taking, *power, &rows, &[]).map_or(f64::NAN, |r| r.value)
                 }
             });
         }

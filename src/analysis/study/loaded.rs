@@ -135,7 +135,7 @@ impl LoadedStudy {
         });
         let gradients =
             gradients.map_err(|rejection| evaluator.refused_start(&poses, &rejection))?;
-        let one_sided = evaluator.one_sided(&poses);
+        let one_sided = evaluator.one_sided(&poses, &gradients);
         let one_sided =
             one_sided.map_err(|rejection| evaluator.refused_start(&poses, &rejection))?;
         Ok(NominalStudy {

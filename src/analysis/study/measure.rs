@@ -184,7 +184,7 @@ impl Evaluator<'_> {
                                 .collect()
                         })
                         .collect();
-                    let reduced = reduce_values(*taking, *power, &rows);
+                    let reduced = reduce_values(*taking, *power, &rows, &[]);
                     (reduced.as_ref().map_or(f64::NAN, |r| r.value), reduced)
                 }
             };

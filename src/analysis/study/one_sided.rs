@@ -1,7 +1,7 @@
 //! Measures whose derivative differs from one side to the other: at a kink or a jump of a formula, or where several poses share an
 //! extreme.
 
-use super::gradient::Changes;
+use super::gradient::{Changes, Gradients};
 use super::measure::ShownMeasure;
 use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::model::expression::Expression;
@@ -25,7 +25,7 @@ struct Moved<'m> {
 }
 
 impl Moved<'_> {
-    /// Whether the formula has different slopes on both sides.
+    /// Whether the formula has different slopes on both sides, or its gradient is that of neither.
     fn is_kinked(&self, formula: &Expression) -> bool {
         let at = |by: f64| {
             let moved = self.slots.iter().zip(self.slopes);
@@ -34,43 +34,52 @@ impl Moved<'_> {
         };
         let [before, here, after] = [-self.step, 0.0, self.step].map(at);
         let [left, right] = [here - before, after - here];
-        let size = here.abs().max(1.0) * self.step;
-        (right - left).abs() > APART * (left.abs() + right.abs() + size)
+        let gradient = formula.gradient(self.slots);
+        let along = gradient.iter().zip(self.slopes);
+        let told: f64 = along
+            .map(|(by_slot, slope)| by_slot * slope * self.step)
+            .sum();
+        let size = left.abs() + right.abs() + here.abs().max(1.0) * self.step;
+        (right - left).abs() > APART * size || (right - told).abs() > APART * size
     }
 }
 
 impl Evaluator<'_> {
-    /// For every measure whether its derivatives are those of one side only.
+    /// For every measure whether its derivatives, which are known, are those of one side only.
     ///
     /// # Errors
     /// The evaluation was cancelled.
-    pub fn one_sided(&self, track_poses: &TrackPoses) -> Result<Vec<bool>, Rejection> {
+    pub fn one_sided(
+        &self,
+        track_poses: &TrackPoses,
+        gradients: &Gradients,
+    ) -> Result<Vec<bool>, Rejection> {
         let family = self.family;
         let mechanism = family.mechanism();
         let shown = self.shown(track_poses);
         let (numbers, reductions) = self.numbers(track_poses, &shown);
         let changes = self.changes(track_poses, &shown)?;
-        let first = mechanism.inputs.len();
         let steps = self.variable_steps();
         let mut found: Vec<bool> = Vec::with_capacity(reductions.len());
         for (measure, reduced) in family.measures.list.iter().zip(&reductions) {
             let is_one_sided = match (&measure.source, reduced) {
                 (MeasureSource::Formula(formula), _) => {
+                    let first = mechanism.inputs.len();
                     let used = formula.slots();
                     let mut earlier = used.iter().filter_map(|slot| slot.checked_sub(first));
-                    let is_kinked = |slot: &usize| {
-                        let mut slopes = vec![0.0; numbers.len()];
-                        slopes[*slot] = 1.0;
-                        let step = STEP * numbers[*slot].abs().max(1.0);
-                        let slots = &numbers[..];
-                        Moved {
-                            slots,
-                            slopes: &slopes,
-                            step,
-                        }
-                        .is_kinked(formula)
-                    };
-                    earlier.any(|index| found[index]) || used.iter().any(is_kinked)
+                    earlier.any(|index| found[index])
+                        || (0..steps.len()).any(|k| {
+                            // Inputs at the start, the variables among them, then measures.
+                            let mut slopes = vec![0.0; first];
+                            slopes[family.own_inputs() + k] = 1.0;
+                            slopes.extend(gradients.rows.iter().map(|row| row[k]));
+                            let moved = Moved {
+                                slots: &numbers,
+                                slopes: &slopes,
+                                step: steps[k],
+                            };
+                            moved.is_kinked(formula)
+                        })
                 }
                 (MeasureSource::Over { per: Some(_), .. }, _) | (_, None) => false,
                 (
@@ -80,17 +89,17 @@ impl Evaluator<'_> {
                     Some(reduced),
                 ) => {
                     let poses = family.poses_of(*track);
-                    let counted = reduced.weights.iter().zip(of).any(|(weights, formula)| {
-                        let taken = poses.clone().zip(weights).filter(|(_, w)| **w != 0.0);
-                        taken.into_iter().any(|(pose, _)| {
-                            kinked_at(mechanism, formula, &shown[pose], &changes[pose], &steps)
+                    let known = poses.map(|pose| (&shown[pose], &changes[pose]));
+                    let known: Vec<_> = known.collect();
+                    // Only poses that count: of an extreme a single one.
+                    let is_kinked = of.iter().zip(&reduced.weights).any(|(formula, weights)| {
+                        let mut counted = known.iter().zip(weights).filter(|(_, w)| **w != 0.0);
+                        counted.any(|((shown, changes), _)| {
+                            kinked_at(mechanism, formula, shown, changes, &steps)
                         })
                     });
-                    let known = || poses.clone().map(|pose| (&shown[pose], &changes[pose]));
-                    counted
-                        || of
-                            .first()
-                            .is_some_and(|formula| shares_extreme(*taking, formula, known()))
+                    let shares = |formula| shares_extreme(*taking, formula, &known);
+                    is_kinked || of.first().is_some_and(shares)
                 }
             };
             found.push(is_one_sided);
@@ -149,10 +158,10 @@ fn kinked_at(
 }
 
 /// Whether two poses share the extreme of a formula with different derivatives.
-fn shares_extreme<'p>(
+fn shares_extreme(
     taking: Taking,
     formula: &Expression,
-    poses: impl Iterator<Item = (&'p ShownMeasure, &'p Option<Changes>)>,
+    poses: &[(&ShownMeasure, &Option<Changes>)],
 ) -> bool {
     let ways: &[f64] = match taking {
         Taking::Min => &[-1.0],
@@ -160,9 +169,9 @@ fn shares_extreme<'p>(
         Taking::Range | Taking::Largest => &[1.0, -1.0],
         _ => return false,
     };
-    let valued = poses.filter_map(|(shown, changes)| {
+    let valued = poses.iter().filter_map(|(shown, changes)| {
         let value = formula.value(&shown.slots);
-        Some((value, shown, changes.as_ref()?))
+        Some((value, *shown, changes.as_ref()?))
     });
     let valued: Vec<_> = valued.collect();
     let row = |sign: f64, shown: &ShownMeasure, changes: &Changes| {

@@ -137,7 +137,7 @@ impl Reduction {
     pub fn of(self, listed: Listed) -> Listed {
         let Listed { values, slopes, .. } = listed;
         let rows = [values];
-        let Some(reduced) = reduce_values(self.taking, self.power, &rows) else {
+        let Some(reduced) = reduce_values(self.taking, self.power, &rows, &[]) else {
             return Listed::default();
         };
         let [weights] = reduced.weights.as_slice() else {

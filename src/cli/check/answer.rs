@@ -29,7 +29,8 @@ impl CheckAnswer {
 
     /// The answer to a scene that cannot be checked.
     pub fn unreadable(scene: &str, failure: Failure) -> Self {
-        Self::without_poses(Verdict::unreadable(scene, failure.to_string()), failure)
+        let verdict = Verdict::unreadable(scene, failure.told(), failure.line());
+        Self::without_poses(verdict, failure)
     }
 
     fn without_poses(verdict: Verdict, failure: Failure) -> Self {

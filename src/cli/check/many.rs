@@ -27,7 +27,7 @@ impl CheckedScene {
     fn verdict(&self) -> Verdict {
         match &self.found {
             Ok(answer) => answer.verdict.clone(),
-            Err(failure) => Verdict::unreadable(&self.scene, failure.to_string()),
+            Err(failure) => Verdict::unreadable(&self.scene, failure.told(), failure.line()),
         }
     }
 
@@ -52,7 +52,7 @@ impl CheckedScene {
     fn document(&self) -> Value {
         let (document, error) = match &self.found {
             Ok(answer) => (answer.document.clone(), None),
-            Err(failure) => (None, Some(failure.to_string())),
+            Err(failure) => (None, Some(failure.told())),
         };
         json!({
             "scene": self.scene,

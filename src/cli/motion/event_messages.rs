@@ -125,12 +125,15 @@ fn never_closed(system: &System, actuation: &Actuation, trajectory: &Trajectory)
         let value = |v: f64| with_unit(mechanism, input.kind, v);
         let stretches = feasible.stretches.iter();
         let list: Vec<String> = stretches
-            .map(|[from, to]| format!("{} to {}", value(*from), value(*to)))
+            .map(|[from, to]| match value(*from) == value(*to) {
+                true => format!("near {}", value(*from)),
+                false => format!("from {} to {}", value(*from), value(*to)),
+            })
             .collect();
         hints.push(format!(
-            "poses were found for `{}` from {}",
+            "poses were found for `{}` {}",
             input.name,
-            list.join(", and from ")
+            list.join(", and ")
         ));
     }
     Failure::without_pose(trajectory.is_undecided(), message, hints)

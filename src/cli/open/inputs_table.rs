@@ -117,7 +117,9 @@ impl InputsTable<'_> {
                 self.time = self.find_column(&header, name)?;
             }
         }
-        let others = header.iter().filter(|name| !is_input(name));
+        let others = header
+            .iter()
+            .filter(|name| !name.is_empty() && !is_input(name));
         let others: Vec<String> = others.map(|name| format!("`{name}`")).collect();
         if self.time.is_some() || others.is_empty() {
             return Ok(None);

@@ -58,15 +58,17 @@ pub fn read_target(
             free_input: None,
         },
         keys: Vec::new(),
+        ignored: 0,
     };
     table.read_header()?;
     while let Some(row) = table.next()? {
         table.read(&row)?;
     }
-    if table.target.rows.is_empty() {
+    let is_empty = table.target.rows.is_empty();
+    if is_empty && table.ignored == 0 {
         return Err(Failure::usage(format!("{name} has no rows"), Vec::new()));
     }
-    if table.target.rows.iter().all(|row| row.weight == 0.0) {
+    if is_empty {
         let message = format!("every row of {name} has weight 0");
         let hint = "weights multiply squared errors: there would be nothing to fit".to_owned();
         return Err(Failure::usage(message, vec![hint]));
@@ -86,6 +88,8 @@ struct TargetTable<'t> {
     target: Target,
     /// Line numbers with the time or input values of each row.
     keys: Vec<(usize, Vec<f64>)>,
+    /// Rows without weight.
+    ignored: usize,
 }
 
 impl TargetTable<'_> {
@@ -244,6 +248,11 @@ impl TargetTable<'_> {
                     values[index] = value * self.mechanism.unit_of(kind).number();
                 }
             }
+        }
+        // Rows without weight are no targets.
+        if weight == 0.0 {
+            self.ignored += 1;
+            return Ok(());
         }
         if let Some((k, time)) = time {
             let last = self.actuation.duration;

@@ -153,6 +153,22 @@ impl From<SourceError> for Failure {
 }
 
 impl Failure {
+    /// Why, in one line of text: of a scene its mistakes.
+    pub fn told(&self) -> String {
+        match self {
+            Self::Scene(error) => error.told(),
+            other => other.to_string(),
+        }
+    }
+
+    /// Line of the scene that it is about, if it is about one.
+    pub fn line(&self) -> Option<usize> {
+        match self {
+            Self::Scene(error) => error.line(),
+            _ => None,
+        }
+    }
+
     /// There is no pose: proved, or none was found.
     pub fn without_pose(is_undecided: bool, message: String, hints: Vec<String>) -> Self {
         match is_undecided {

@@ -52,7 +52,11 @@ fn analyse_system(
     let unproved_equations = unproved_of(&mechanism, &empty_equations);
     let incidence = Incidence::new(&mechanism, parts);
     let generic = Ranks::new(&mechanism, &probes);
-    refuse_unheld(&mechanism, &incidence, &generic)?;
+    // An exponential function is nothing at random poses beside what it is near its solution.
+    let start = actuation.start_at(0.0);
+    let start = start.iter().all(|v| v.is_finite()).then_some(start);
+    let felt_at: Vec<&Vec<f64>> = generic.poses.iter().chain(&start).collect();
+    refuse_unheld(&mechanism, &incidence, &felt_at)?;
     let trial = |blocks: Vec<Block>, held: Vec<HeldFreedom>| {
         let structure = Structure {
             blocks,
@@ -135,17 +139,17 @@ fn starts_singular(system: &System, actuation: &Actuation) -> bool {
 fn refuse_unheld(
     mechanism: &Mechanism,
     incidence: &Incidence,
-    ranks: &Ranks,
+    poses: &[&Vec<f64>],
 ) -> Result<(), StructureError> {
     let mut felt = vec![false; mechanism.unknowns.len()];
     let mut workspace = BlockWorkspace::default();
     for member in 0..incidence.members.len() {
         let block = of_group(mechanism, incidence, &incidence.whole(vec![member], &[]));
-        for pose in ranks.poses {
+        for pose in poses {
             workspace.evaluate(mechanism, &block, pose, Want::Jacobian);
             let columns = workspace.jacobian.chunks(block.rows().max(1));
             for (unknown, column) in block.unknowns.iter().zip(columns) {
-                // A column that is zero at every random pose is zero everywhere.
+                // A column that is zero at every random pose, and at the start, is zero everywhere.
                 felt[*unknown] |= column.iter().any(|v| v.abs() > EMPTY || v.is_nan());
             }
         }

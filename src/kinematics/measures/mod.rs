@@ -139,7 +139,8 @@ fn measure_over(
                 return None;
             }
             let rows: Option<Vec<Vec<f64>>> = of.iter().map(at).collect();
-            let reduced = reduce_values(*taking, *power, &rows?)?;
+            let times: Vec<f64> = poses.iter().map(|sample| sample.time).collect();
+            let reduced = reduce_values(*taking, *power, &rows?, &times)?;
             Some((index, reduced.value))
         }
         _ => None,

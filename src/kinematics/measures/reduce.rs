@@ -10,8 +10,14 @@ pub struct Reduced {
     pub weights: Vec<Vec<f64>>,
 }
 
-/// Reduces `values[formula][pose]` to one number; `None` without poses. `power` is that of a norm.
-pub fn reduce_values(taking: Taking, power: f64, values: &[Vec<f64>]) -> Option<Reduced> {
+/// Reduces `values[formula][pose]` to one number; `None` without poses. `power` is that of a norm. `times` are those of the poses,
+/// ascending; without them the poses are evenly spaced.
+pub fn reduce_values(
+    taking: Taking,
+    power: f64,
+    values: &[Vec<f64>],
+    times: &[f64],
+) -> Option<Reduced> {
     let first = values.first()?;
     let last = first.len().checked_sub(1)?;
     let second = values.get(1).unwrap_or(first);
@@ -42,7 +48,7 @@ pub fn reduce_values(taking: Taking, power: f64, values: &[Vec<f64>]) -> Option<
         Taking::Sum => weighted_mean(first, 1.0),
         Taking::Mean => weighted_mean(first, 1.0 / first.len() as f64),
         Taking::Norm => power_norm(first, power),
-        Taking::Positive => positive_part(first),
+        Taking::Positive => positive_part(first, times),
         Taking::Chord => chord_deviation(first, second),
         Taking::Bow => bow_height(first, second),
     })
@@ -102,18 +108,30 @@ pub fn norm_bends(values: &[f64], power: f64, norm: f64) -> Option<Vec<f64>> {
 
 /// The fraction of the way on which the values are positive. Between two values of opposite sign the zero is that of
 /// the cubic through four values: the error is of fourth order in the step for smooth values.
-fn positive_part(values: &[f64]) -> Reduced {
+fn positive_part(values: &[f64], times: &[f64]) -> Reduced {
     let mut weights = vec![0.0; values.len()];
-    let share = 1.0 / (values.len().max(2) - 1) as f64;
+    let even: Vec<f64>;
+    let times = match times.len() == values.len() {
+        true => times,
+        false => {
+            even = (0..values.len()).map(|k| k as f64).collect();
+            &even
+        }
+    };
+    let whole = match (times.first(), times.last()) {
+        (Some(first), Some(last)) if last > first => last - first,
+        _ => 1.0,
+    };
     let mut value = 0.0;
     for (k, pair) in values.windows(2).enumerate() {
         let (a, b) = (pair[0], pair[1]);
+        let share = (times[k + 1] - times[k]) / whole;
         if (a > 0.0) == (b > 0.0) {
             value += if a > 0.0 { share } else { a * 0.0 + b * 0.0 };
             continue;
         }
         // The part above zero is before the crossing where the values fall, behind it where they rise.
-        let crossing = Crossing::new(values, k);
+        let crossing = Crossing::new(values, times, k);
         let (above, sign) = match a > 0.0 {
             true => (crossing.at, share),
             false => (1.0 - crossing.at, -share),
@@ -132,9 +150,9 @@ fn positive_part(values: &[f64]) -> Reduced {
 /// Halvings that locate a crossing to the last digit.
 const HALVINGS: u32 = 60;
 
-/// A zero crossing of values given at whole numbers.
+/// A zero crossing of values given at some times.
 struct Crossing {
-    /// Position after the previous value, 0 to 1.
+    /// Position after the previous value, as a fraction of the way to the next one.
     at: f64,
     /// The first of the values that it depends on, ...
     first: usize,
@@ -145,11 +163,12 @@ struct Crossing {
 impl Crossing {
     /// Between values `k` and `k` + 1, which have opposite signs: a zero of the polynomial through the four values
     /// around, or through all if there are fewer.
-    fn new(values: &[f64], k: usize) -> Self {
+    fn new(values: &[f64], times: &[f64], k: usize) -> Self {
         let count = values.len().min(4);
         let first = k.saturating_sub(1).min(values.len() - count);
         let near = &values[first..first + count];
-        let node = |i: usize| (first + i) as f64 - k as f64;
+        let step = times[k + 1] - times[k];
+        let node = |i: usize| (times[first + i] - times[k]) / step;
         let basis = |i: usize, s: f64| -> f64 {
             let others = (0..count).filter(|j| *j != i);
             others
@@ -260,7 +279,7 @@ mod tests {
     use super::*;
 
     fn value(taking: Taking, power: f64, values: &[Vec<f64>]) -> f64 {
-        reduce_values(taking, power, values).unwrap().value
+        reduce_values(taking, power, values, &[]).unwrap().value
     }
 
     #[test]
@@ -270,7 +289,7 @@ mod tests {
         for (name, taking) in Taking::NAMES {
             for power in [4.0, 64.0] {
                 let values = &[x.clone(), y.clone()][..taking.width()];
-                let reduced = reduce_values(taking, power, values).unwrap();
+                let reduced = reduce_values(taking, power, values, &[]).unwrap();
                 for formula in 0..taking.width() {
                     for pose in 0..x.len() {
                         let moved = |h: f64| {
@@ -294,7 +313,7 @@ mod tests {
     #[test]
     fn bends_of_norms_are_the_rates_of_their_weights() {
         let weights = |power: f64, values: &[f64]| {
-            let reduced = reduce_values(Taking::Norm, power, &[values.to_vec()]).unwrap();
+            let reduced = reduce_values(Taking::Norm, power, &[values.to_vec()], &[]).unwrap();
             (reduced.value, reduced.weights[0].clone())
         };
         for power in [2.0, 3.5, 4.0, 8.0] {
@@ -345,7 +364,7 @@ mod tests {
             let found = value(taking, 2.0, &path[..taking.width()]);
             assert!((found - expected).abs() < 1e-15 * 8.0, "{name}: {found}");
         }
-        assert!(reduce_values(Taking::Mean, 2.0, &[Vec::new()]).is_none());
+        assert!(reduce_values(Taking::Mean, 2.0, &[Vec::new()], &[]).is_none());
         let share = value(Taking::Positive, 2.0, &[vec![1.0, -3.0]]);
         assert!((share - 0.25).abs() < 1e-15, "{share}");
         assert!(value(Taking::Positive, 2.0, &[vec![-1.0, f64::NAN]]).is_nan());
@@ -364,6 +383,15 @@ mod tests {
             let cubic = |x: f64| (x - root) * (x * x + 0.3 * x + 1.0);
             let found = share(8, &cubic);
             assert!((found - (1.0 - root)).abs() < 1e-14, "{root}: {found}");
+            // So are they where samples stand close together.
+            let times: Vec<f64> = (0..8).map(|k| 2.0 + f64::from(k * k) / 49.0).collect();
+            let values = times.iter().map(|t| cubic(t - 2.0)).collect();
+            let found = reduce_values(Taking::Positive, 2.0, &[values], &times).unwrap();
+            assert!(
+                (found.value - (1.0 - root)).abs() < 1e-13,
+                "{root}: {}",
+                found.value
+            );
         }
         let wave = |x: f64| (2.0 * std::f64::consts::PI * x).sin() - 0.4;
         let exact = 0.5 - 0.4_f64.asin() / std::f64::consts::PI;

@@ -44,6 +44,9 @@ pub enum ClosureGap {
 /// Printed poses have four or five digits; a half-turn is recognised within this (radians, sizes).
 const PRINTED_DIGITS: f64 = 5e-3;
 
+/// Value of an equation relative to the largest terms of the motion that is nothing but rounding.
+const ROUNDED: f64 = 1e-15;
+
 /// Judges every loop and every equation at `coordinates` (unknowns, then inputs); `tolerance` is relative to the
 /// loop's size.
 pub fn judge_pose(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) -> Vec<ClosureCheck> {
@@ -67,7 +70,11 @@ pub fn judge_pose(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) ->
     });
     let equations = mechanism.equations.iter().map(|item| {
         let value = item.expression.value(coordinates);
-        let is_closed = (value * item.weight).abs() <= tolerance;
+        let relative = (value * item.weight).abs();
+        // Relative to the largest terms of the motion and to those of this pose, which may all be small: then to rounding.
+        let own = item.terms(&mut coordinates.to_vec());
+        let is_closed =
+            relative <= tolerance && (value.abs() <= tolerance * own || relative <= ROUNDED);
         ClosureCheck {
             name: item.name.clone(),
             gap: ClosureGap::Equation(value),

@@ -4,13 +4,11 @@
 //! The magnitude of a coordinate is the change that alters one of its equations by as much as the largest term of the
 //! equation at the poses known; that of an equation is its response to such changes.
 
+use crate::model::equation_terms::FAR;
 use crate::model::mechanism::{Equation, Kind, Mechanism};
 
 /// Exponents of the powers of two that are tried as changes.
 const POWERS: std::ops::Range<i32> = -100..100;
-
-/// Magnitudes that differ by more than this factor are not of one kind: it is more than any low power makes of a factor of two.
-pub const FAR: f64 = 64.0;
 
 /// Fills in the magnitudes of unknowns and equations that no chain determines, from some poses of the motion.
 pub fn estimate_magnitudes(mechanism: &mut Mechanism, mut poses: Vec<Vec<f64>>) {
@@ -53,17 +51,22 @@ fn sound_magnitude(value: f64) -> Option<f64> {
 fn unknown_magnitude(using: &[&Equation], poses: &mut [Vec<f64>], slot: usize) -> f64 {
     let mut least = f64::INFINITY;
     for equation in using {
-        let reach = poses.iter_mut().map(|pose| equation_terms(equation, pose));
+        let reach = poses.iter_mut().map(|pose| equation.terms(pose));
         let Some(reach) = sound_magnitude(reach.fold(0.0, f64::max)) else {
             continue;
         };
-        let powers = POWERS.step_by(2).map(|power| 2f64.powi(power));
-        for by in powers {
-            if moved_equation(equation, &mut poses[0], slot, by) >= reach {
-                least = least.min(by);
-                break;
-            }
-        }
+        let mut first = |part: f64| {
+            let mut powers = POWERS.step_by(2).map(|power| 2f64.powi(power));
+            let felt = |by: &f64| equation.change(&mut poses[0], slot, *by) >= part * reach;
+            powers.find(felt)
+        };
+        // A term that falls, 1/x, never changes by all of itself: half of it counts if the whole is far from there, or nowhere.
+        let [whole, half] = [1.0, 0.5].map(&mut first);
+        let by = match (whole, half) {
+            (Some(whole), Some(half)) if whole <= FAR * half => Some(whole),
+            (_, half) => half,
+        };
+        least = least.min(by.unwrap_or(f64::INFINITY));
     }
     // Every pose starts from the start values.
     let given = poses[0][slot].abs();
@@ -71,37 +74,11 @@ fn unknown_magnitude(using: &[&Equation], poses: &mut [Vec<f64>], slot: usize) -
     sound_magnitude(least.max(given)).unwrap_or(1.0)
 }
 
-/// The magnitude of an equation's terms: its value, or the change when one of its coordinates is set to zero; half-way to it if there
-/// is a pole there, or nearly.
-pub fn equation_terms(equation: &Equation, pose: &mut [f64]) -> f64 {
-    let mut reach = finite_or_zero(equation.expression.value(pose));
-    for slot in equation.expression.slots() {
-        let [whole, half] =
-            [1.0, 0.5].map(|share| moved_equation(equation, pose, slot, -share * pose[slot]));
-        let is_far = whole == 0.0 || whole > FAR * half;
-        reach = reach.max(if is_far { half } else { whole });
-    }
-    reach
-}
-
-/// Change of an equation's value when one coordinate changes; the pose is restored afterwards.
-pub fn moved_equation(equation: &Equation, pose: &mut [f64], slot: usize, by: f64) -> f64 {
-    let (before, here) = (pose[slot], equation.expression.value(pose));
-    pose[slot] += by;
-    let there = equation.expression.value(pose);
-    pose[slot] = before;
-    finite_or_zero(there - here)
-}
-
-pub fn finite_or_zero(value: f64) -> f64 {
-    if value.is_finite() { value.abs() } else { 0.0 }
-}
-
 fn equation_size(equation: &Equation, poses: &mut [Vec<f64>], scales: &[f64]) -> f64 {
     let slots = equation.expression.slots();
     let own = slots.iter().filter(|slot| **slot < scales.len());
-    let felt = own.map(|slot| moved_equation(equation, &mut poses[0], *slot, scales[*slot]));
+    let felt = own.map(|slot| equation.change(&mut poses[0], *slot, scales[*slot]));
     let felt = felt.fold(0.0, f64::max);
-    let terms = poses.iter_mut().map(|pose| equation_terms(equation, pose));
+    let terms = poses.iter_mut().map(|pose| equation.terms(pose));
     terms.fold(felt, f64::max)
 }

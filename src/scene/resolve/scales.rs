@@ -3,8 +3,8 @@
 //!
 //! Loops and equations that share a length have the same unit, since the sums of one enter the other.
 
-use super::magnitudes::{equation_terms, finite_or_zero, moved_equation};
 use crate::model::chain::{ChainStep, ElementaryMotion};
+use crate::model::equation_terms::finite_or_zero;
 use crate::model::mechanism::{Equation, Kind, Loop, Mechanism};
 use std::f64::consts::TAU;
 
@@ -131,10 +131,10 @@ fn of_equation(mechanism: &Mechanism, equation: &Equation, poses: &mut [Vec<f64>
     }
     let mut reach = 0.0_f64;
     for pose in poses {
-        reach = reach.max(equation_terms(equation, pose));
+        reach = reach.max(equation.terms(pose));
         for slot in equation.expression.slots() {
             if mechanism.kind_of(slot) != Kind::Length {
-                reach = reach.max(moved_equation(equation, pose, slot, 1.0));
+                reach = reach.max(equation.change(pose, slot, 1.0));
             }
         }
     }

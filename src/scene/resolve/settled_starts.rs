@@ -1,9 +1,9 @@
 //! Poses at which the size of numbers is learned. Start values may be orders of magnitude away from any solution, and with them
 //! the terms of the equations: what is rounding there would be a large error at the solution. So equations are solved roughly first.
 
-use super::magnitudes::{FAR, equation_terms};
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::model::actuation::{Actuation, INSTANTS};
+use crate::model::equation_terms::FAR;
 use crate::model::mechanism::{Equation, Mechanism};
 
 /// An equation is roughly solved where its value is this fraction of its terms.
@@ -25,24 +25,24 @@ const DEPENDENT: f64 = 1e-12;
 const MOST_UNKNOWNS: usize = 40;
 
 /// Start values with the inputs at [`INSTANTS`]; the unknowns of the equations named in `own` are near a solution if that changes
-/// the magnitude of a term.
-pub fn start_poses(mechanism: &Mechanism, actuation: &Actuation, own: &[&str]) -> Vec<Vec<f64>> {
+/// the magnitude of a term. If it does at the start of the drive, the start values themselves are moved there.
+pub fn start_poses(
+    mechanism: &Mechanism,
+    actuation: &mut Actuation,
+    own: &[&str],
+) -> Vec<Vec<f64>> {
     let starts = INSTANTS.map(|share| actuation.start_at(share * actuation.duration));
-    let starts = starts.to_vec();
     let equations = mechanism.equations.iter();
     let equations: Vec<&Equation> = equations
         .filter(|equation| own.contains(&equation.name.as_str()))
         .collect();
     let unknowns = mechanism.unknowns.len();
-    let mut slots: Vec<usize> = equations
-        .iter()
-        .flat_map(|e| e.expression.slots())
-        .collect();
-    slots.retain(|slot| *slot < unknowns);
+    let slots = equations.iter().flat_map(|e| e.expression.slots());
+    let mut slots: Vec<usize> = slots.filter(|slot| *slot < unknowns).collect();
     slots.sort_unstable();
     slots.dedup();
     if slots.is_empty() || slots.len() > MOST_UNKNOWNS {
-        return starts;
+        return starts.to_vec();
     }
     let mut settled: Vec<Vec<f64>> = Vec::with_capacity(starts.len());
     for start in &starts {
@@ -52,24 +52,28 @@ pub fn start_poses(mechanism: &Mechanism, actuation: &Actuation, own: &[&str]) -
             pose[..unknowns].copy_from_slice(&before[..unknowns]);
         }
         if !settle(&mut pose, &equations, &slots) {
-            return starts;
+            return starts.to_vec();
         }
         settled.push(pose);
     }
-    let largest = |poses: &[Vec<f64>], equation: &Equation| {
-        let terms = poses
-            .iter()
-            .map(|pose| equation_terms(equation, &mut pose.clone()));
-        terms.fold(0.0, f64::max)
-    };
-    let is_far = equations.iter().any(|equation| {
-        let [a, b] = [&starts, &settled].map(|poses| largest(poses, equation));
-        a > FAR * b || b > FAR * a
-    });
-    match is_far {
-        true => settled,
-        false => starts,
+    if are_far(&equations, &starts[..1], &settled[..1]) {
+        actuation.guess.copy_from_slice(&settled[0][..unknowns]);
     }
+    match are_far(&equations, &starts, &settled) {
+        true => settled,
+        false => starts.to_vec(),
+    }
+}
+
+/// Whether the largest terms of an equation differ by magnitudes between some poses and others.
+fn are_far(equations: &[&Equation], some: &[Vec<f64>], others: &[Vec<f64>]) -> bool {
+    equations.iter().any(|equation| {
+        let [a, b] = [some, others].map(|poses| {
+            let terms = poses.iter().map(|pose| equation.terms(&mut pose.clone()));
+            terms.fold(0.0, f64::max)
+        });
+        a > FAR * b || b > FAR * a
+    })
 }
 
 /// Moves the unknowns in `slots` until the equations are roughly solved; whether they are.
@@ -78,7 +82,7 @@ fn settle(pose: &mut [f64], equations: &[&Equation], slots: &[usize]) -> bool {
     for _ in 0..STEPS {
         let values: Vec<f64> = equations.iter().map(|e| e.expression.value(pose)).collect();
         let mut rows = equations.iter().zip(&values);
-        if rows.all(|(equation, value)| value.abs() <= SOLVED * equation_terms(equation, pose)) {
+        if rows.all(|(equation, value)| value.abs() <= SOLVED * equation.terms(pose)) {
             return true;
         }
         // Newton in units of the unknowns, every row in units of its gradient.

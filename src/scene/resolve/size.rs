@@ -1,10 +1,10 @@
 //! The characteristic length of a mechanism, to which tolerances are relative.
 
-use super::magnitudes::{equation_terms, finite_or_zero};
 use super::names::Names;
 use crate::model::actuation::{Actuation, INSTANTS};
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
 use crate::model::drive::Drive;
+use crate::model::equation_terms::finite_or_zero;
 use crate::model::expression::Expression;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::numbers::interval::Interval;
@@ -78,7 +78,7 @@ fn equation_lengths(mechanism: &Mechanism, poses: &[Vec<f64>]) -> impl Iterator<
         .filter(|e| e.length_exponent > 0.0);
     let pairs = of_lengths.flat_map(|equation| poses.iter().map(move |pose| (equation, pose)));
     pairs.map(|(equation, pose)| {
-        let terms = equation_terms(equation, &mut pose.clone());
+        let terms = equation.terms(&mut pose.clone());
         libm::pow(terms, 1.0 / equation.length_exponent)
     })
 }

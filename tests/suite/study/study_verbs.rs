@@ -528,8 +528,8 @@ fn derivatives_of_one_side_are_told() {
         format!(
             "units = {{ length = \"mm\" }}\nduration = 1\n[parameters]\nr = 40\nL = 95\ne = {e}\nq = 40\n[inputs]\nphi = \"2*pi*t\"\n\
              [loops]\nA = \"Rz(phi) Tx(r) Rz(alpha) Tx(L) Rz(beta) T(-h, -e, 0)\"\n[guess]\nh = 120\n\
-             [outputs]\nsize = \"abs(e)\"\n[measures]\n\
-             swing = {{ of = \"beta\", take = \"largest\" }}\nsize = {{ of = \"size\", take = \"mean\" }}\n\
+             [outputs]\nwidth = \"abs(e)\"\n[measures]\n\
+             swing = {{ of = \"beta\", take = \"largest\" }}\nsize = {{ of = \"width\", take = \"mean\" }}\n\
              twice = \"2*size\"\nmost = {{ of = \"max(r, q)\", take = \"last\" }}\nstep = {{ of = \"mod(r, 40)\", take = \"first\" }}\n\
              stroke = {{ of = \"h\", take = \"range\" }}\nsquare = {{ of = \"e^2 + h\", take = \"mean\" }}\nreach = {{ of = \"h\", take = \"first\" }}\n"
         )
@@ -579,4 +579,37 @@ fn measures_are_told_where_no_piece_can_be_assembled() {
     ]);
     let table = run.text();
     assert!(table.contains("  reach "), "{table}");
+}
+
+/// The minimum follows the other of two equal numbers than the maximum: the derivative of their sum is that of both.
+#[test]
+fn the_derivatives_of_equal_numbers_add_up() {
+    let w = Workspace::new();
+    w.write(
+        "equal.toml",
+        "duration = 1\n[parameters]\nr = 40\nq = 40\n[inputs]\nx = \"t\"\n[chains]\na = \"Tx(x + r) Ty(q)\"\n[[bodies]]\nname = \"a\"\nframe = \"a\"\n\
+         [measures]\nboth = { of = \"max(r, q) + min(r, q)\", take = \"first\" }\nnone = { of = \"abs(r - q) - abs(q - r)\", take = \"first\" }\n\
+         m1 = { of = \"2*r + q\", take = \"first\" }\nm2 = { of = \"q + 2*r\", take = \"last\" }\nsame = \"max(m1, m2)\"\n",
+    );
+    let run = w
+        .run(&[
+            "sensitivity",
+            "equal.toml",
+            "--vary",
+            "r,q",
+            "--out",
+            "s.json",
+        ])
+        .exits(0);
+    let report: Value = serde_json::from_slice(&w.read("s.json")).unwrap();
+    for row in report["dimensions"].as_array().unwrap() {
+        assert_eq!(row["derivatives"]["both"], 1.0, "{}", run.text());
+    }
+    // Where the sides that are taken contradict each other that is told; equal numbers with equal derivatives have no kink.
+    assert_eq!(
+        report["one_sided"],
+        serde_json::json!(["none"]),
+        "{}",
+        run.text()
+    );
 }

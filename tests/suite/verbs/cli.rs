@@ -961,19 +961,48 @@ fn tables_without_a_time_say_what_they_ignore() {
             "zeit;phi;h\n0;0;1\n9;1;1\n",
             "columns `zeit`, `h` are ignored",
         ),
+        // Spreadsheets write an empty last column.
+        ("phi,\n0,\n1,\n", ""),
     ];
     for (table, told) in rows {
         w.write("t.csv", table);
-        for verb in ["solve", "check"] {
-            let run = w
-                .run(&[verb, "crank.toml", "--input-table", "t.csv"])
-                .exits(0);
-            assert_eq!(
-                run.stderr.contains("ignored"),
-                !told.is_empty(),
-                "{verb} {table}"
-            );
-            assert!(run.stderr.contains(told), "{verb} {table}\n{}", run.stderr);
+        for verb in [&["solve", "--out", "s.csv"][..], &["check"]] {
+            let args = [verb, &["crank.toml", "--input-table", "t.csv"]].concat();
+            let run = w.run(&args).exits(0);
+            let is_told = run.stderr.contains("ignored");
+            assert_eq!(is_told, !told.is_empty(), "{args:?} {table}");
+            assert!(run.stderr.contains(told), "{args:?} {table}");
         }
     }
+}
+
+/// The share of a motion is one of time, however close together samples, keys and rows of a table stand.
+#[test]
+fn positive_shares_are_those_of_time() {
+    let w = Workspace::new();
+    let scene = |drive: &str| {
+        format!(
+            "duration = 10\n[inputs]\nu = {drive}\n[outputs]\nv = \"u\"\n[measures]\nshare = {{ of = \"v\", take = \"positive\" }}\n"
+        )
+    };
+    let keys = "{ keys = [[0, 1], [0.01, 1], [0.02, 1], [0.03, 1], [0.04, 1], [0.05, 1], [1, 1], [3, -1], [10, -1]] }";
+    w.write("keys.toml", scene(keys));
+    w.write("table.toml", scene("\"t\""));
+    w.write(
+        "t.csv",
+        "time,u\n0,1\n0.1,1\n0.2,1\n0.3,1\n0.4,1\n1,1\n3,-1\n10,-1\n",
+    );
+    let share = |arguments: &[&str]| {
+        w.run(&[arguments, &["--json", "r.json"]].concat()).exits(0);
+        let report: serde_json::Value = serde_json::from_slice(&w.read("r.json")).unwrap();
+        report["measures"][0]["value"].as_f64().unwrap()
+    };
+    // Straight lines between keys: positive until 2 of 10 seconds, located to within a step beside kinks.
+    for samples in ["2", "11", "101", "501"] {
+        let found = share(&["check", "keys.toml", "--samples", samples]);
+        let step = 2.0 / samples.parse::<f64>().unwrap().max(10.0);
+        assert!((found - 0.2).abs() < step, "{samples}: {found}");
+    }
+    let found = share(&["check", "table.toml", "--input-table", "t.csv"]);
+    assert!((found - 0.2).abs() < 0.05, "{found}");
 }

@@ -1,0 +1,35 @@
+//! The magnitude of an equation's terms at a pose: what its value is to be compared with.
+
+use super::mechanism::Equation;
+
+/// Magnitudes that differ by more than this factor are not of one kind: it is more than any low power makes of a factor of two.
+pub const FAR: f64 = 64.0;
+
+impl Equation {
+    /// The magnitude of its terms: its value, or the change when one of its coordinates is set to zero; half-way to it if there is a
+    /// pole there, or nearly. The pose is restored afterwards.
+    pub fn terms(&self, pose: &mut [f64]) -> f64 {
+        let mut reach = finite_or_zero(self.expression.value(pose));
+        for slot in self.expression.slots() {
+            let [whole, half] =
+                [1.0, 0.5].map(|share| self.change(pose, slot, -share * pose[slot]));
+            let is_far = whole == 0.0 || whole > FAR * half;
+            reach = reach.max(if is_far { half } else { whole });
+        }
+        reach
+    }
+
+    /// Change of its value when one coordinate changes; zero where it has none. The pose is restored afterwards.
+    pub fn change(&self, pose: &mut [f64], slot: usize, by: f64) -> f64 {
+        let (before, here) = (pose[slot], self.expression.value(pose));
+        pose[slot] += by;
+        let there = self.expression.value(pose);
+        pose[slot] = before;
+        finite_or_zero(there - here)
+    }
+}
+
+/// The magnitude of a number, zero of what is none.
+pub fn finite_or_zero(value: f64) -> f64 {
+    if value.is_finite() { value.abs() } else { 0.0 }
+}
