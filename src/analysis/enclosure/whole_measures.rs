@@ -31,7 +31,9 @@ fn extreme_formula(source: &MeasureSource) -> Option<(&Expression, Taking)> {
 pub(super) fn extreme_ranges(plan: &TolerancePlan, enclosure: &PoseEnclosure) -> Vec<[f64; 2]> {
     let list = plan.family.measures.list.iter();
     let formulas = list.filter_map(|measure| extreme_formula(&measure.source));
-    let slots: Vec<AffineForm> = (0..enclosure.len()).map(|slot| enclosure.form(slot)).collect();
+    let slots: Vec<AffineForm> = (0..enclosure.len())
+        .map(|slot| enclosure.form(slot))
+        .collect();
     let range = |(formula, _): (&Expression, Taking)| {
         // By its derivatives, which a kink may lack, and by the ranges of its operands.
         let forms = [enclosure.formula(formula).0, formula.value(&slots)];

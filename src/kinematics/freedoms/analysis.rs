@@ -147,10 +147,16 @@ fn refuse_unheld(
         let block = of_group(mechanism, incidence, &incidence.whole(vec![member], &[]));
         for pose in poses {
             workspace.evaluate(mechanism, &block, pose, Want::Jacobian);
+            // Rows of loops have one magnitude; that of an equation may be any other at a pose.
+            let largest = workspace.jacobian.iter().map(|v| v.abs());
+            let unit = match block.loops.is_empty() {
+                true => largest.fold(0.0, f64::max).min(1.0),
+                false => 1.0,
+            };
             let columns = workspace.jacobian.chunks(block.rows().max(1));
             for (unknown, column) in block.unknowns.iter().zip(columns) {
                 // A column that is zero at every random pose, and at the start, is zero everywhere.
-                felt[*unknown] |= column.iter().any(|v| v.abs() > EMPTY || v.is_nan());
+                felt[*unknown] |= column.iter().any(|v| v.abs() > EMPTY * unit || v.is_nan());
             }
         }
     }
