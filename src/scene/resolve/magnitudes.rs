@@ -60,13 +60,13 @@ fn unknown_magnitude(using: &[&Equation], poses: &mut [Vec<f64>], slot: usize) -
             let felt = |by: &f64| equation.change(&mut poses[0], slot, *by) >= part * reach;
             powers.find(felt)
         };
-        // A term that falls, 1/x, never changes by all of itself: half of it counts if the whole is far from there, or nowhere.
+        // A term that falls, 1/x, changes by all of itself only at infinity, far from where it changes by half.
         let [whole, half] = [1.0, 0.5].map(&mut first);
-        let by = match (whole, half) {
-            (Some(whole), Some(half)) if whole <= FAR * half => Some(whole),
-            (_, half) => half,
-        };
-        least = least.min(by.unwrap_or(f64::INFINITY));
+        if let (Some(whole), Some(half)) = (whole, half)
+            && whole <= FAR * half
+        {
+            least = least.min(whole);
+        }
     }
     // Every pose starts from the start values.
     let given = poses[0][slot].abs();
