@@ -194,6 +194,9 @@ pub const MOST_QUOTED: usize = 120;
 /// The same for a whole message.
 const MOST_SAID: usize = 4000;
 
+/// Most mistakes of a scene in a report.
+const MOST_TOLD: usize = 20;
+
 /// Whether a character has an effect instead of being visible: controls and escapes, marks that change the writing
 /// direction, line and paragraph separators of Unicode, tags.
 fn is_unseen(character: char) -> bool {
@@ -354,6 +357,8 @@ impl SceneError {
         let source = &self.source_text;
         let mistakes = self.diagnostics.sorted().into_iter();
         let mistakes = mistakes.filter(|d| d.severity == Severity::Error);
+        // Places are counted from the beginning of the text: those of thousands would take long.
+        let mistakes = mistakes.take(MOST_TOLD);
         let lines = mistakes.map(|mistake| match &mistake.span {
             Some(span) => {
                 let [line, column] = source.line_and_column(span.start);

@@ -28,6 +28,22 @@ const LARGEST_AT_DOUBLE_ROOT: f64 = 1e-2;
 const ESTIMATE_FACTOR: f64 = 2.0;
 
 impl ProvedMotion<'_> {
+    /// Remembers where the drive jumps from one sample to the next.
+    pub(super) fn note_jumps(&mut self, from: f64, to: f64) {
+        let jumps = self.prover.jumps_between(from, to);
+        let found = [(jumps.at_start, from), (jumps.at_end, to)];
+        for (_, time) in found.into_iter().filter(|(is_found, _)| *is_found) {
+            if self.jumps.last() != Some(&time) {
+                self.jumps.push(time);
+            }
+        }
+    }
+
+    /// Whether what was true before this pose of a sample may not be any more: the motion jumps to it, or is not proved.
+    pub fn begins_anew(&self, instant: usize) -> bool {
+        self.anew.contains(&instant)
+    }
+
     /// Covers the interval between two samples, `places` in the list of samples, but for what lacks a pose; whether they are
     /// proved to be joined.
     pub(super) fn cover(

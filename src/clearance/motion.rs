@@ -117,7 +117,7 @@ pub struct ProvedMotion<'m> {
     /// ... and the shortest at first, seconds.
     pub(super) shortest: f64,
     /// Poses at the beginning of a part of the motion that is not proved to be connected to the previous one.
-    anew: HashSet<usize>,
+    pub(super) anew: HashSet<usize>,
     /// The pose at which the bodies are assembled, if it is not the first sample.
     assembled: Option<usize>,
     /// When searches end, with what is proved so far.
@@ -345,21 +345,6 @@ impl<'m> ProvedMotion<'m> {
             Some(gap) if gap[1] == from => gap[1] = to,
             _ => self.gaps.push([from, to]),
         }
-    }
-
-    fn note_jumps(&mut self, from: f64, to: f64) {
-        let jumps = self.prover.jumps_between(from, to);
-        let found = [(jumps.at_start, from), (jumps.at_end, to)];
-        for (_, time) in found.into_iter().filter(|(is_found, _)| *is_found) {
-            if self.jumps.last() != Some(&time) {
-                self.jumps.push(time);
-            }
-        }
-    }
-
-    /// Whether what was true before this pose of a sample may not be any more: the motion jumps to it, or is not proved.
-    pub fn begins_anew(&self, instant: usize) -> bool {
-        self.anew.contains(&instant)
     }
 
     /// Times of places of a stretch.

@@ -5,6 +5,7 @@ use super::bar_symbols;
 use super::joint_places::BodyOutlines;
 use super::joints::{self, CarriedFrame, PlacedJoint, PlacedLinks};
 use super::link_symbols;
+use super::sign_solids::{GROUND, MOVER, SEAT, ground_sign, link_colour, rod_solid};
 use super::solids::{merged_mesh, sign_instance};
 use super::spherical_links::SphericalLinkage;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -19,11 +20,6 @@ use glam::DVec3;
 
 /// Radius of a pin relative to the motion's extent; all symbols are proportional to it.
 const RADIUS: f64 = 0.008;
-
-/// Colours of the base side of a joint, of the moving side, and of the ground.
-pub(super) const SEAT: [u8; 3] = [0x4c, 0x55, 0x62];
-pub(super) const MOVER: [u8; 3] = [0xd9, 0xdd, 0xe3];
-pub(super) const GROUND: [u8; 3] = [0x6e, 0x77, 0x85];
 
 /// Distance from a joint's axis within which a body holds it, in radii of a pin.
 const HOLD: f64 = 3.0;
@@ -143,7 +139,7 @@ impl JointSymbols {
         let alone = bar_symbols::bars_without_bodies(mechanism, &poses);
         let bars = bar_symbols::drawn_bars(mechanism, &poses, ROD * radius);
         for drawn in bars.into_iter().filter(|drawn| alone[drawn.bar]) {
-            let colour = link_symbols::link_colour(count + drawn.bar);
+            let colour = link_colour(count + drawn.bar);
             add(drawn.solids, PieceCarrier::Bar(drawn.ends), colour);
         }
         if !are_shown {
@@ -272,15 +268,6 @@ impl Ram {
     }
 }
 
-/// A cylinder from one height above the origin to another.
-pub(super) fn rod_solid(axis: DVec3, from: f64, to: f64, radius: f64) -> Solid {
-    Solid::Cylinder {
-        from: axis * from,
-        to: axis * to,
-        radius,
-    }
-}
-
 /// The parts in the frames on both sides of a joint with pin radius `r`; a translation ranges from `low` to `high`.
 fn joint_solids(joint: &PlacedJoint, r: f64, [low, high]: [f64; 2]) -> (Vec<Solid>, Vec<Solid>) {
     let axis = DVec3::AXES[joint.axis];
@@ -340,39 +327,4 @@ fn joint_solids(joint: &PlacedJoint, r: f64, [low, high]: [f64; 2]) -> (Vec<Soli
             (std::iter::once(guide).chain(thread).collect(), vec![nut])
         }
     }
-}
-
-/// A pedestal on a plate with hatching below, under a joint at `at`.
-pub(super) fn ground_sign(at: DVec3, up: DVec3, r: f64) -> Vec<Solid> {
-    let axes = Pose::from_z_axis(up).rotation;
-    let (right, ahead) = (axes.x_axis, axes.y_axis);
-    let foot = at - up * (5.0 * r);
-    let mut solids = vec![
-        Solid::Cone {
-            from: at - up * (1.2 * r),
-            to: foot,
-            radius_from: 1.1 * r,
-            radius_to: 2.6 * r,
-        },
-        Solid::Cylinder {
-            from: foot,
-            to: foot - up * (0.6 * r),
-            radius: 4.2 * r,
-        },
-    ];
-    // Parallel strokes look like hatching from every side.
-    let strokes = 10;
-    for k in 0..strokes {
-        let angle = std::f64::consts::TAU * f64::from(k) / f64::from(strokes);
-        let (sin, cos) = crate::math::sin_cos(angle);
-        let outward = right * cos + ahead * sin;
-        let along = ahead * cos - right * sin;
-        let from = foot - up * (0.6 * r) + outward * (3.7 * r);
-        solids.push(Solid::Capsule {
-            from,
-            to: from - up * (1.5 * r) - along * (1.3 * r),
-            radius: 0.28 * r,
-        });
-    }
-    solids
 }

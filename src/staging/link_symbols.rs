@@ -3,23 +3,13 @@
 use super::axis_places::{axis_shifts, joint_points};
 use super::floating::floating_joints;
 use super::joints;
+use super::sign_solids::link_colour;
 use super::spherical_links::SphericalLinkage;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::bar_ends::BarEnds;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
 use glam::DVec3;
-
-/// Colours of links, distinguishable by lightness too (Okabe and Ito, Color Universal Design, 2008).
-const COLOURS: [[u8; 3]; 7] = [
-    [0x00, 0x72, 0xb2],
-    [0xe6, 0x9f, 0x00],
-    [0x00, 0x9e, 0x73],
-    [0xcc, 0x79, 0xa7],
-    [0x56, 0xb4, 0xe9],
-    [0xd5, 0x5e, 0x00],
-    [0xf0, 0xe4, 0x42],
-];
 
 /// Positions nearer together than this fraction of a rod's radius count as one.
 const SAME: f64 = 1e-3;
@@ -104,11 +94,6 @@ fn in_order(places: &[DVec3]) -> (Vec<DVec3>, bool) {
     let angle = |p: &DVec3| libm::atan2((*p - middle).dot(second), (*p - middle).dot(first));
     places.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
     (places, true)
-}
-
-/// The colour of a link or bar by its number.
-pub fn link_colour(number: usize) -> [u8; 3] {
-    COLOURS[number % COLOURS.len()]
 }
 
 /// Places of the ends of bars over the motion, and without bodies of all joints.

@@ -33,6 +33,7 @@ pub mod quantity_names;
 mod round_steps;
 mod section;
 pub mod shared_camera;
+mod sign_solids;
 mod solids;
 mod spherical_links;
 mod ticks;

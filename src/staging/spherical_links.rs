@@ -1,9 +1,8 @@
 //! Spherical linkages without bodies: all axes meet in one point, so that a chain gives the joints no places of their own.
 //! They are put on a sphere around this point, and links are arcs between them.
 
-use super::joint_symbols::{GROUND, MOVER, SEAT, ground_sign, rod_solid};
 use super::joints::PlacedLinks;
-use super::link_symbols::link_colour;
+use super::sign_solids::{GROUND, MOVER, SEAT, ground_sign, link_colour, rod_solid};
 use crate::math::Pose;
 use crate::model::chain::{Chain, ChainStep, ElementaryMotion};
 use crate::model::mechanism::{Loop, Mechanism};
@@ -56,7 +55,7 @@ pub struct SphericalLinkage {
 }
 
 /// An axis at the first pose.
-struct AxisLine {
+struct TurningLine {
     point: DVec3,
     direction: DVec3,
     frames: [Pose; 2],
@@ -70,10 +69,10 @@ impl SphericalLinkage {
             return None;
         }
         let lines = mechanism.loops.iter().map(|one| axis_lines(one, at));
-        let lines: Vec<Vec<AxisLine>> = lines.collect::<Option<_>>()?;
+        let lines: Vec<Vec<TurningLine>> = lines.collect::<Option<_>>()?;
         let all = || lines.iter().flatten();
         let centre = common_point(all())?;
-        let misses = |line: &AxisLine| (centre - line.point).cross(line.direction).length();
+        let misses = |line: &TurningLine| (centre - line.point).cross(line.direction).length();
         if all().any(|line| misses(line) > MISSED * mechanism.size) {
             return None;
         }
@@ -88,7 +87,7 @@ impl SphericalLinkage {
         let radius = own.filter(is_known).reduce(f64::max);
         let radius = radius.or_else(|| traced.filter(is_known).reduce(f64::max));
         let radius = radius.unwrap_or(mechanism.size);
-        let joint = |line: AxisLine| SphereJoint {
+        let joint = |line: TurningLine| SphereJoint {
             place: match is_known(&line.point.distance(centre)) {
                 true => line.point,
                 false => centre + line.direction * radius,
@@ -245,7 +244,7 @@ fn arc_points([a, b]: [DVec3; 2]) -> Vec<DVec3> {
 }
 
 /// The axes of a loop; `None` if something slides.
-fn axis_lines(one: &Loop, at: &PlacedLinks) -> Option<Vec<AxisLine>> {
+fn axis_lines(one: &Loop, at: &PlacedLinks) -> Option<Vec<TurningLine>> {
     let steps = [&one.base.steps[..], &one.chain.steps[..]].concat();
     let chain = |end: usize| Chain {
         steps: steps[..end].to_vec(),
@@ -260,7 +259,7 @@ fn axis_lines(one: &Loop, at: &PlacedLinks) -> Option<Vec<AxisLine>> {
         }
         let chains = [chain(k), chain(k + 1)];
         let frames = [chains[0].pose(&at.arguments), chains[1].pose(&at.arguments)];
-        lines.push(AxisLine {
+        lines.push(TurningLine {
             point: frames[0].translation,
             direction: frames[0].rotation.col(*axis),
             frames,
@@ -271,9 +270,9 @@ fn axis_lines(one: &Loop, at: &PlacedLinks) -> Option<Vec<AxisLine>> {
 }
 
 /// The point nearest to two axes that are not parallel.
-fn common_point<'l>(mut lines: impl Iterator<Item = &'l AxisLine>) -> Option<DVec3> {
+fn common_point<'l>(mut lines: impl Iterator<Item = &'l TurningLine>) -> Option<DVec3> {
     let first = lines.next()?;
-    let crossed = |line: &&AxisLine| first.direction.cross(line.direction).length() > PARALLEL;
+    let crossed = |line: &&TurningLine| first.direction.cross(line.direction).length() > PARALLEL;
     let second = lines.find(crossed)?;
     let normal = first.direction.cross(second.direction);
     let between = second.point - first.point;

@@ -44,7 +44,7 @@ pub enum ClosureGap {
 /// Printed poses have four or five digits; a half-turn is recognised within this (radians, sizes).
 const PRINTED_DIGITS: f64 = 5e-3;
 
-/// Coordinates are known to this fraction of their magnitude over the motion.
+/// Inputs are known to this fraction of their magnitude over the motion.
 const ROUNDED: f64 = 1e-15;
 
 /// Judges every loop and every equation at `coordinates` (unknowns, then inputs); `tolerance` is relative to the
@@ -74,8 +74,9 @@ pub fn judge_pose(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) ->
         // Relative to the largest terms of the motion, and to those of this pose or, where all of them vanish, to rounding.
         let own = item.terms(&mut coordinates.to_vec());
         let gradient = item.expression.gradient(coordinates);
-        let moved = item.expression.slots().into_iter();
-        let moved = moved.map(|slot| (gradient[slot] * mechanism.scale_of(slot)).abs());
+        let inputs = item.expression.slots().into_iter();
+        let inputs = inputs.filter(|slot| *slot >= mechanism.unknowns.len());
+        let moved = inputs.map(|slot| (gradient[slot] * mechanism.scale_of(slot)).abs());
         let rounding = ROUNDED * moved.sum::<f64>();
         let is_closed = relative <= tolerance && value.abs() <= (tolerance * own).max(rounding);
         ClosureCheck {

@@ -1,4 +1,4 @@
-//! What was probably meant where a formula goes on without an operator, or holds a character that none has.
+//! What was probably meant where a formula goes on without an operator.
 
 use super::lexer::{Token, TokenKind};
 use crate::model::expression::Function;
@@ -38,17 +38,4 @@ pub fn of_neighbours(before: &Token, found: &Token) -> Option<String> {
         }
         _ => "a product is written with `*`".to_owned(),
     })
-}
-
-/// What stands for a character that formulas do not have.
-pub fn of_character(character: char) -> Option<&'static str> {
-    match character {
-        '°' => Some("an angle in degrees is written `90deg`"),
-        '²' | '³' => Some("a power is written with `^`: `a^2`"),
-        '√' => Some("a root is written `sqrt(a)`"),
-        '÷' | ':' => Some("a quotient is written with `/`"),
-        '[' | ']' | '{' | '}' => Some("formulas have round parentheses only"),
-        '"' | '\'' => Some("one pair of quotes encloses the whole formula"),
-        _ => None,
-    }
 }

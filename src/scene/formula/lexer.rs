@@ -1,6 +1,5 @@
 //! Splits the text of a formula into tokens with their positions, without regard to their meaning.
 
-use super::advice;
 use crate::diag::{Diagnostic, Span};
 use crate::numbers::constant::Constant;
 
@@ -51,7 +50,7 @@ pub fn tokenize_text(text: &str, offset: usize) -> Result<Vec<Token>, Diagnostic
         };
         let (kind, length) = read_token(first, rest).map_err(|(message, length)| {
             let diagnostic = Diagnostic::error(message).at(offset + at..offset + at + length);
-            match advice::of_character(first) {
+            match character_hint(first) {
                 Some(hint) => diagnostic.hint(hint),
                 None => diagnostic,
             }
@@ -76,6 +75,19 @@ fn read_token(first: char, rest: &str) -> Result<(TokenKind, usize), (String, us
             format!("unexpected character `{c}` in a formula"),
             c.len_utf8(),
         )),
+    }
+}
+
+/// What stands for a character that formulas do not have.
+fn character_hint(character: char) -> Option<&'static str> {
+    match character {
+        '°' => Some("an angle in degrees is written `90deg`"),
+        '²' | '³' => Some("a power is written with `^`: `a^2`"),
+        '√' => Some("a root is written `sqrt(a)`"),
+        '÷' | ':' => Some("a quotient is written with `/`"),
+        '[' | ']' | '{' | '}' => Some("formulas have round parentheses only"),
+        '"' | '\'' => Some("one pair of quotes encloses the whole formula"),
+        _ => None,
     }
 }
 

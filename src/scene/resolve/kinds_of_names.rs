@@ -1,11 +1,14 @@
 //! Infers the kind of every name of a scene (length, angle or number) from its uses.
 
+use super::super::file::SceneFile;
 use super::super::formula::expansion::Factor;
 use super::super::formula::kinds::infer_kind;
 use super::super::formula::node::{FormulaNode, NodeKind};
 use super::super::formula::products::lengths_in_products;
 use super::names::Names;
 use super::parsed::{Parsed, ParsedInput};
+use super::parsing::parsed_expression;
+use super::solid_formulas::SolidFormulas;
 use super::words::TIME;
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::chain::ElementaryMotion;
@@ -197,6 +200,34 @@ fn is_plain_number(node: &FormulaNode) -> bool {
         NodeKind::Negate(inner) => is_plain_number(inner),
         _ => false,
     }
+}
+
+/// The formulas of solids whose kind is known: those of their points and sizes, and the motions of their frames.
+pub fn dimensions_of_solids(file: &SceneFile, parsed: &Parsed) -> Vec<(FormulaNode, Kind)> {
+    let shapes = file.bodies.iter().flat_map(|body| &body.shapes);
+    let mut nodes = Vec::new();
+    // Errors in them are reported where the solids are resolved.
+    let silent = &mut Diagnostics::default();
+    for shape in shapes {
+        let typed = SolidFormulas::new(&shape.solid);
+        let texts = typed.points.iter().flat_map(|point| point.iter());
+        let lengths = texts
+            .chain(typed.sizes.iter().copied())
+            .filter_map(|text| parsed_expression(text, silent));
+        nodes.extend(lengths.map(|node| (node, Kind::Length)));
+        let frame = shape.frame.as_ref();
+        let factors = frame.and_then(|text| parsed.factors(text, silent));
+        nodes.extend(
+            factors
+                .into_iter()
+                .flatten()
+                .filter_map(|factor| match factor {
+                    Factor::Elementary(motion, _, node) => Some((node, kind_of_motion(motion))),
+                    Factor::Direction(..) => None,
+                }),
+        );
+    }
+    nodes
 }
 
 /// The kind of a joint's argument.

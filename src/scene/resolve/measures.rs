@@ -333,8 +333,7 @@ fn resolve_taking(
     let wanted = taking.width();
     if found != wanted {
         let name = &take.value;
-        let s = if wanted == 1 { "" } else { "s" };
-        let message = format!("`{name}` takes {wanted} formula{s} in `of`, found {found}");
+        let message = format!("`{name}` takes formulas in `of`: {wanted}, found {found}");
         diagnostics.push(Diagnostic::error(message).at(take.span.clone()));
         return None;
     }

@@ -75,7 +75,7 @@ pub fn resolve_scene(
     let mut names = Names::collect(file, &parsed, &angle_unit, diagnostics);
     names.infer_kinds(&parsed, diagnostics);
     if overrides.carries_shapes {
-        let of_solids = solid_formulas::dimensions_of_solids(file, &parsed);
+        let of_solids = kinds_of_names::dimensions_of_solids(file, &parsed);
         names.infer_more_kinds(&of_solids, &parsed);
     }
     names.evaluate_parameters(&parsed, diagnostics);

@@ -56,10 +56,16 @@ pub fn start_poses(
         }
         settled.push(pose);
     }
-    if are_far(&equations, &starts[..1], &settled[..1]) {
+    // A term that vanishes far away, v⁻⁴, shows nothing of it.
+    let mut moved = slots
+        .iter()
+        .map(|slot| [starts[0][*slot], settled[0][*slot]].map(f64::abs));
+    let is_moved = moved.any(|[a, b]| a > FAR * b && b > 0.0 || b > FAR * a && a > 0.0);
+    let begins_far = is_moved || are_far(&equations, &starts[..1], &settled[..1]);
+    if begins_far {
         actuation.guess.copy_from_slice(&settled[0][..unknowns]);
     }
-    match are_far(&equations, &starts, &settled) {
+    match begins_far || are_far(&equations, &starts, &settled) {
         true => settled,
         false => starts.to_vec(),
     }

@@ -1,14 +1,10 @@
 //! The formulas of solids as typed: points, sizes, directions and scales.
 
 use super::super::file::SceneFile;
-use super::super::formula::expansion::Factor;
 use super::super::formula::node::FormulaNode;
 use super::super::solids::SolidFile;
-use super::kinds_of_names::kind_of_motion;
-use super::parsed::Parsed;
 use super::parsing::parsed_expression;
 use crate::diag::Diagnostics;
-use crate::model::mechanism::Kind;
 use crate::scene::values::FormulaText;
 
 /// The formulas of a solid.
@@ -95,34 +91,6 @@ pub fn formulas_of_solids(file: &SceneFile) -> Vec<FormulaNode> {
         let texts = points.chain(typed.sizes.iter().chain(&typed.fixed).copied());
         // Errors in them are reported where the solids are resolved.
         nodes.extend(texts.filter_map(|text| parsed_expression(text, &mut Diagnostics::default())));
-    }
-    nodes
-}
-
-/// The formulas of solids whose kind is known: those of their points and sizes, and the motions of their frames.
-pub fn dimensions_of_solids(file: &SceneFile, parsed: &Parsed) -> Vec<(FormulaNode, Kind)> {
-    let shapes = file.bodies.iter().flat_map(|body| &body.shapes);
-    let mut nodes = Vec::new();
-    // Errors in them are reported where the solids are resolved.
-    let silent = &mut Diagnostics::default();
-    for shape in shapes {
-        let typed = SolidFormulas::new(&shape.solid);
-        let texts = typed.points.iter().flat_map(|point| point.iter());
-        let lengths = texts
-            .chain(typed.sizes.iter().copied())
-            .filter_map(|text| parsed_expression(text, silent));
-        nodes.extend(lengths.map(|node| (node, Kind::Length)));
-        let frame = shape.frame.as_ref();
-        let factors = frame.and_then(|text| parsed.factors(text, silent));
-        nodes.extend(
-            factors
-                .into_iter()
-                .flatten()
-                .filter_map(|factor| match factor {
-                    Factor::Elementary(motion, _, node) => Some((node, kind_of_motion(motion))),
-                    Factor::Direction(..) => None,
-                }),
-        );
     }
     nodes
 }

@@ -354,10 +354,10 @@ fn an_optimum_at_a_change_point_is_not_confirmed() {
     let folder = Workspace::new();
     let four_bar = |d: f64| {
         format!(
-            "units = {{ length = \"mm\" }}\nduration = 1\n[inputs]\nphi = \"2*pi*t\"\n[parameters]\na = 30\nb = 50\nc = 50\nd = {d}\n\
-             [loops]\nA = \"Rz(phi) Tx(a) Rz(alpha) Tx(b) Rz(beta) Tx(c) Rz(gamma) Tx(-d)\"\n[guess]\nalpha = 1\nbeta = 2\n\
-             [measures]\nF = \"(d - 30)^2\"\nmx = {{ of = \"beta\", take = \"max\" }}\n[study]\nminimise = \"F\"\n\
-             [study.variables]\nd = {{ range = [30, 40] }}\n"
+            "units = {{ length = \"mm\" }}\nduration = 1\n[inputs]\nphi = \"1 + 2*pi*t\"\n[parameters]\na = 30\nb = 50\nc = 50\nd = {d}\n\
+             [loops]\nA = \"Rz(phi) Tx(a) Rz(th) Tx(b) Rz(mu) Tx(-c) Rz(-ps) Tx(-d)\"\n[guess]\nth = -0.3\nps = 1\n\
+             [measures]\nF = \"(d - 30)^2\"\nmx = {{ of = \"ps\", take = \"max\" }}\n[study]\nminimise = \"F\"\n\
+             [study.variables]\nd = {{ range = [29.5, 40] }}\n"
         )
     };
     folder.write("change.toml", four_bar(33.0));

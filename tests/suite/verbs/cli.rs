@@ -318,7 +318,7 @@ fn a_huge_picture_is_refused_without_memory() {
             .stderr(std::process::Stdio::piped());
         finish(command.spawn().unwrap())
             .exits(2)
-            .says(&["64 million"]);
+            .says(&["15360 pixels a side"]);
     }
     shell.arg("--version").status().unwrap();
 }
