@@ -48,7 +48,7 @@ fn sound_magnitude(value: f64) -> Option<f64> {
 }
 
 /// The magnitude of a number: its start value, or the smallest change that the equations `using` it respond to.
-fn unknown_magnitude(using: &[&Equation], poses: &mut [Vec<f64>], slot: usize) -> f64 {
+pub fn unknown_magnitude(using: &[&Equation], poses: &mut [Vec<f64>], slot: usize) -> f64 {
     let mut least = f64::INFINITY;
     for equation in using {
         let reach = poses.iter_mut().map(|pose| equation.terms(pose));

@@ -1,6 +1,7 @@
 //! Poses at which the size of numbers is learned. Start values may be orders of magnitude away from any solution, and with them
 //! the terms of the equations: what is rounding there would be a large error at the solution. So equations are solved roughly first.
 
+use super::magnitudes::unknown_magnitude;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::model::actuation::{Actuation, INSTANTS};
 use crate::model::equation_terms::FAR;
@@ -57,10 +58,14 @@ pub fn start_poses(
         settled.push(pose);
     }
     // A term that vanishes far away, v⁻⁴, shows nothing of it.
-    let mut moved = slots
-        .iter()
-        .map(|slot| [starts[0][*slot], settled[0][*slot]].map(f64::abs));
-    let is_moved = moved.any(|[a, b]| a > FAR * b && b > 0.0 || b > FAR * a && a > 0.0);
+    let is_moved = |slot: &usize| {
+        let using = equations.iter().copied();
+        let using = using.filter(|equation| equation.expression.slots().contains(slot));
+        let using: Vec<&Equation> = using.collect();
+        let magnitude = unknown_magnitude(&using, &mut settled[..1].to_vec(), *slot);
+        (starts[0][*slot] - settled[0][*slot]).abs() > FAR * magnitude
+    };
+    let is_moved = slots.iter().any(is_moved);
     let begins_far = is_moved || are_far(&equations, &starts[..1], &settled[..1]);
     if begins_far {
         actuation.guess.copy_from_slice(&settled[0][..unknowns]);
@@ -166,9 +171,11 @@ fn jumped(
     let before = misfit(pose);
     let mut best: Option<(f64, Vec<f64>)> = None;
     for (slot, unit) in slots.iter().zip(units) {
-        for by in POWERS.flat_map(|power| [unit * 2f64.powi(power), -unit * 2f64.powi(power)]) {
+        let powers = POWERS.map(|power| unit * 2f64.powi(power));
+        let places = powers.flat_map(|by| [pose[*slot] + by, pose[*slot] - by, by, -by]);
+        for place in places {
             let mut next = pose.to_vec();
-            next[*slot] += by;
+            next[*slot] = place;
             let there = misfit(&next);
             // Where the equations have no value yet, any value is better.
             let is_better = there < before || (before.is_nan() && there.is_finite());
