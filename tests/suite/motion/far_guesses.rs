@@ -80,10 +80,10 @@ fn poses_and_ranks_do_not_depend_on_how_far_the_start_is() {
             assert_eq!(report["between"]["proved"], true, "{label}");
             sigmas.push(report["sigma_min"].as_f64().unwrap());
         }
-        // Singular values are relative to magnitudes that are known to a power or two of ten.
+        // Singular values are relative to magnitudes, which start values within a factor of 64 of a solution determine.
         let [least, largest] = [f64::min as fn(f64, f64) -> f64, f64::max]
             .map(|pick| sigmas.iter().copied().reduce(pick).unwrap());
-        assert!(least > 1e-3 * largest, "{}: {sigmas:?}", row.equation);
+        assert!(least > 1e-4 * largest, "{}: {sigmas:?}", row.equation);
     }
 }
 
