@@ -195,7 +195,9 @@ fn equations_of_every_shape_are_proved_whatever_the_start() {
 #[test]
 fn offered_poses_are_judged_by_the_terms_of_their_own_instant() {
     let folder = Workspace::new();
-    let rows: [(&str, &str, &[(&str, i32)]); 4] = [
+    /// A pose, and the exit code of its check.
+    type Offer = (&'static str, i32);
+    let rows: [(&str, &str, &[Offer]); 4] = [
         (
             "e1 = \"y - 10^(4*u)\"\ne2 = \"x*y^3 - y^3 - 1\"",
             "x = 2\ny = 1",
