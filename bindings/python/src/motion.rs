@@ -30,8 +30,11 @@ pub(crate) struct Origin {
     /// Its samples.
     pub samples: Samples,
     /// Rows of inputs by their names.
-    pub columns: Vec<(String, Vec<f64>)>,
+    pub columns: Columns,
 }
+
+/// Rows of inputs by their names.
+pub(crate) type Columns = Vec<(String, Vec<f64>)>;
 
 type Array<'py> = Bound<'py, PyAny>;
 

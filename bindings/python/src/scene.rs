@@ -4,7 +4,7 @@ use crate::arguments::{NameList, entries, numbers};
 use crate::check::{Assembly, Check};
 use crate::enclosure::Enclosure;
 use crate::errors::{OrRaise, warn};
-use crate::motion::Motion;
+use crate::motion::{Columns, Motion, Origin};
 use crate::signals::{interruptible, watched};
 use crate::study::Study;
 use crate::sweep::{self, Table};
@@ -467,7 +467,7 @@ impl Scene {
         py: Python<'_>,
         times: Option<Vec<f64>>,
         inputs: &Bound<'_, PyMapping>,
-    ) -> PyResult<(mechanim::Scene, Vec<f64>, Vec<(String, Vec<f64>)>)> {
+    ) -> PyResult<(mechanim::Scene, Vec<f64>, Columns)> {
         let (mut columns, mut numbers_alone) = (Vec::new(), Vec::new());
         for (name, values) in entries(inputs)? {
             let column = numbers(py, &name, &values)?;
