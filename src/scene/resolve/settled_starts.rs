@@ -19,6 +19,9 @@ const HALVINGS: i32 = 30;
 /// Powers of two by which an unknown is moved where no step leads on.
 const POWERS: std::ops::Range<i32> = -40..40;
 
+/// Most such moves for an instant.
+const JUMPS: usize = 4;
+
 /// Columns that are smaller than this fraction of the largest are no direction of a step.
 const DEPENDENT: f64 = 1e-12;
 
@@ -90,6 +93,7 @@ fn are_far(equations: &[&Equation], some: &[Vec<f64>], others: &[Vec<f64>]) -> b
 /// Moves the unknowns in `slots` until the equations are roughly solved; whether they are.
 fn settle(pose: &mut [f64], equations: &[&Equation], slots: &[usize]) -> bool {
     let mut factors = PivotedQr::default();
+    let mut jumps = 0;
     for _ in 0..STEPS {
         let values: Vec<f64> = equations.iter().map(|e| e.expression.value(pose)).collect();
         let mut rows = equations.iter().zip(&values);
@@ -135,7 +139,11 @@ fn settle(pose: &mut [f64], equations: &[&Equation], slots: &[usize]) -> bool {
             squares.sum::<f64>()
         };
         let moved = step.and_then(|step| shortened(pose, slots, &step, &misfit));
-        let Some(next) = moved.or_else(|| jumped(pose, slots, &units, &misfit)) else {
+        // A jump tries hundreds of places for every unknown.
+        let may_jump = moved.is_none() && jumps < JUMPS;
+        jumps += usize::from(may_jump);
+        let jumped = || may_jump.then(|| jumped(pose, slots, &units, &misfit));
+        let Some(next) = moved.or_else(|| jumped().flatten()) else {
             return false;
         };
         pose.copy_from_slice(&next);
