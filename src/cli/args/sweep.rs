@@ -60,7 +60,7 @@ pub struct SweepRequestArgs {
 /// Where rows go once they are there.
 #[derive(Clone, Debug, Args)]
 pub struct RowsArgs {
-    /// Where to write: the rows as .csv, .jsonl or .parquet; `-` for CSV on standard output.
+    /// Where to write: the rows as .csv, .jsonl or (where the program has it) .parquet; `-` for CSV on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Draw a chart (.svg or .png): a curve over one parameter, or a map over two, with the feasible region.

@@ -81,7 +81,7 @@ pub(super) static CLEARANCE: Keys = Keys::new(
         result_key(
             "minimum",
             Formula,
-            "smallest distance of any two bodies; 0 lets them touch",
+            "smallest distance of any two bodies; 0 lets them touch; default: 0",
         ),
         result_key("pairs", Tables(&PAIR), "minima of single pairs"),
         result_key("ignore", Tables(&IGNORED), "pairs that are not judged"),
