@@ -1,5 +1,6 @@
 //! The magnitude of an equation's terms at a pose: what its value is to be compared with.
 
+use super::expression::Op;
 use super::mechanism::Equation;
 
 /// Magnitudes that differ by more than this factor are not of one kind: it is more than any low power makes of a factor of two.
@@ -17,6 +18,31 @@ impl Equation {
             reach = reach.max(if is_far { half } else { whole });
         }
         reach
+    }
+
+    /// The magnitude of its largest summand, constants among them, or of its terms if that is more.
+    pub fn largest_summand(&self, pose: &mut [f64]) -> f64 {
+        let mut values = Vec::new();
+        self.expression.value_with(pose, &mut values);
+        let mut largest = self.terms(pose);
+        // Sums inside products and above fraction bars are sums of the whole, with the other factor.
+        let mut open = vec![(values.len().saturating_sub(1), 1.0)];
+        while let Some((place, factor)) = open.pop() {
+            let value = |k: usize| f64::abs(values[k]);
+            match self.expression.ops().get(place) {
+                Some(Op::Negate(a)) => open.push((*a, factor)),
+                Some(Op::Add(a, b) | Op::Subtract(a, b)) => {
+                    open.extend([(*a, factor), (*b, factor)]);
+                }
+                Some(Op::Multiply(a, b)) => {
+                    open.extend([(*a, factor * value(*b)), (*b, factor * value(*a))]);
+                }
+                Some(Op::Divide(a, b)) => open.push((*a, factor / value(*b))),
+                Some(_) => largest = largest.max(finite_or_zero(factor * value(place))),
+                None => {}
+            }
+        }
+        largest
     }
 
     /// Change of its value when one coordinate changes; zero where it has none. The pose is restored afterwards.

@@ -92,7 +92,7 @@ impl<'a> SensitivityTable<'a> {
         let mut text = format!("{title}\n  {}\n\n", measures.join(", "));
         text.push_str(&aligned_rows(&rows));
         text.push_str(&format!("\nExact derivatives, ranked by d{ranked}.\n"));
-        let one_sided = self.one_sided();
+        let one_sided = self.nominal.one_sided_names(self.family);
         if !one_sided.is_empty() {
             text.push_str(&format!(
                 "Of one side only, at a kink of a formula or where several poses share an extreme: {}.\n",
@@ -108,14 +108,6 @@ impl<'a> SensitivityTable<'a> {
             ));
         }
         text
-    }
-
-    /// Measures whose derivatives differ on both sides.
-    fn one_sided(&self) -> Vec<&str> {
-        let list = self.family.measures.list.iter();
-        let marked = list.zip(&self.nominal.one_sided);
-        let marked = marked.filter(|(_, is_one_sided)| **is_one_sided);
-        marked.map(|(measure, _)| measure.name.as_str()).collect()
     }
 
     /// One row a variable.
@@ -161,7 +153,7 @@ impl<'a> SensitivityTable<'a> {
             "schema": format!("mechanim-sensitivity/{SCHEMA}"),
             "title": self.family.mechanism().title,
             "measures": measures,
-            "one_sided": self.one_sided(),
+            "one_sided": self.nominal.one_sided_names(self.family),
             "dimensions": rows.collect::<Vec<_>>(),
         })
     }

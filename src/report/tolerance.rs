@@ -91,6 +91,13 @@ impl ToleranceReport<'_> {
         }
         text.push_str(&aligned_rows(&rows));
         text.push_str(LEGEND);
+        let one_sided = self.study.nominal.one_sided_names(family);
+        if !one_sided.is_empty() {
+            text.push_str(&format!(
+                "Linear rules of one side only, at a kink of a formula or where several poses share an extreme: {}.\n",
+                one_sided.join(", ")
+            ));
+        }
         let limited = |m: &Measure| m.min.is_some() || m.max.is_some();
         if family.measures.list.iter().any(limited) {
             let share = 100.0 * pieces.good as f64 / samples as f64;
@@ -182,6 +189,7 @@ impl ToleranceReport<'_> {
             "samples": pieces.made,
             "complete": pieces.made == self.study.batch().samples as u64,
             "poses": self.study.nominal.poses.poses.len(),
+            "one_sided": self.study.nominal.one_sided_names(family),
             "passes_singular_pose": self.study.nominal.drawn.singular.is_some(),
             "first": self.first,
             "seed": self.study.batch().seed,

@@ -5,7 +5,7 @@ use super::bar_symbols;
 use super::joint_places::BodyOutlines;
 use super::joints::{self, CarriedFrame, PlacedJoint, PlacedLinks};
 use super::link_symbols;
-use super::sign_solids::{GROUND, MOVER, SEAT, ground_sign, link_colour, rod_solid};
+use super::sign_solids::{GROUND, MOVER, SEAT, ground_sign, link_colour};
 use super::solids::{merged_mesh, sign_instance};
 use super::spherical_links::SphericalLinkage;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -265,6 +265,15 @@ impl Ram {
         let barrel = rod_solid(axis, 0.0, self.sense * self.barrel, 1.6 * r);
         let rod = rod_solid(axis, 0.0, -self.sense * self.rod, 0.8 * r);
         (vec![barrel], vec![rod])
+    }
+}
+
+/// A cylinder from one height above the origin to another.
+fn rod_solid(axis: DVec3, from: f64, to: f64, radius: f64) -> Solid {
+    Solid::Cylinder {
+        from: axis * from,
+        to: axis * to,
+        radius,
     }
 }
 

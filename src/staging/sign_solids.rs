@@ -25,15 +25,6 @@ pub fn link_colour(number: usize) -> [u8; 3] {
     COLOURS[number % COLOURS.len()]
 }
 
-/// A cylinder from one height above the origin to another.
-pub fn rod_solid(axis: DVec3, from: f64, to: f64, radius: f64) -> Solid {
-    Solid::Cylinder {
-        from: axis * from,
-        to: axis * to,
-        radius,
-    }
-}
-
 /// A pedestal on a plate with hatching below, under a joint at `at`.
 pub fn ground_sign(at: DVec3, up: DVec3, r: f64) -> Vec<Solid> {
     let axes = Pose::from_z_axis(up).rotation;

@@ -2,7 +2,7 @@
 //! They are put on a sphere around this point, and links are arcs between them.
 
 use super::joints::PlacedLinks;
-use super::sign_solids::{GROUND, MOVER, SEAT, ground_sign, link_colour, rod_solid};
+use super::sign_solids::{GROUND, MOVER, SEAT, ground_sign, link_colour};
 use crate::math::Pose;
 use crate::model::chain::{Chain, ChainStep, ElementaryMotion};
 use crate::model::mechanism::{Loop, Mechanism};
@@ -176,24 +176,20 @@ impl SphericalLinkage {
                 here.transform_point(self.centre),
             );
             let outward = (place - centre).normalize_or_zero();
-            let pin = rod_solid(outward, -length * r, length * r, width * r);
+            let pin = Solid::Cylinder {
+                from: place - outward * (length * r),
+                to: place + outward * (length * r),
+                radius: width * r,
+            };
             let line = Solid::Capsule {
                 from: centre,
                 to: place,
                 radius: LINE * r,
             };
-            let moved = match pin {
-                Solid::Cylinder { from, to, radius } => Solid::Cylinder {
-                    from: from + place,
-                    to: to + place,
-                    radius,
-                },
-                other => other,
-            };
             CarriedSolids {
                 solids: match side {
-                    0 => vec![moved],
-                    _ => vec![moved, line],
+                    0 => vec![pin],
+                    _ => vec![pin, line],
                 },
                 carrier: Some(joint.chains[side].clone()),
                 colour,

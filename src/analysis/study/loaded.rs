@@ -30,6 +30,15 @@ pub struct NominalStudy {
     pub one_sided: Vec<bool>,
 }
 
+impl NominalStudy {
+    /// Names of the measures whose derivatives are those of one side only.
+    pub fn one_sided_names<'f>(&self, family: &'f ParametricMechanism) -> Vec<&'f str> {
+        let list = family.measures.list.iter().zip(&self.one_sided);
+        let marked = list.filter(|(_, is_one_sided)| **is_one_sided);
+        marked.map(|(measure, _)| measure.name.as_str()).collect()
+    }
+}
+
 /// Stands for every dimension.
 const ALL: &str = "all";
 

@@ -149,7 +149,8 @@ impl ViewArgs {
 
     /// Applies the options to the view of `scene`.
     ///
-    /// Errors: a transparent background in a format without alpha; a size of trails or arrows that are not drawn; too many ghosts, two at one time, or one outside the motion.
+    /// Errors: a transparent background in a format without alpha; a size of trails or arrows that are not drawn; too many
+    /// ghosts, two at one time, or one outside the motion.
     pub fn apply(&self, format: &Format, scene: &mut Scene) -> Result<(), Failure> {
         self.hide
             .iter()

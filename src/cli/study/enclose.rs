@@ -81,7 +81,11 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
     let mut text = report::enclosure_summary(&plan, &motion, !args.no_search);
     if let Some((poses, list)) = &measures {
         let lines = report::measure_lines(&plan, list);
-        text += &format!("\nMeasures over {poses} poses\n{lines}");
+        let more = match list.iter().any(|band| band.at_all_times) {
+            true => ", extremes along the drive at all times",
+            false => "",
+        };
+        text += &format!("\nMeasures over {poses} poses{more}\n{lines}");
     }
     let refused: Vec<String> = motion
         .iter()

@@ -10,8 +10,8 @@ pub struct Reduced {
     pub weights: Vec<Vec<f64>>,
 }
 
-/// Reduces `values[formula][pose]` to one number; `None` without poses. `power` is that of a norm. `times` are those of the poses,
-/// ascending; without them the poses are evenly spaced.
+/// Reduces `values[formula][pose]` to one number; `None` without poses. `power` is that of a norm. `times` are those of the poses;
+/// unless they ascend the poses count as evenly spaced.
 pub fn reduce_values(
     taking: Taking,
     power: f64,
@@ -111,7 +111,8 @@ pub fn norm_bends(values: &[f64], power: f64, norm: f64) -> Option<Vec<f64>> {
 fn positive_part(values: &[f64], times: &[f64]) -> Reduced {
     let mut weights = vec![0.0; values.len()];
     let even: Vec<f64>;
-    let times = match times.len() == values.len() {
+    let ascends = times.windows(2).all(|pair| pair[0] < pair[1]);
+    let times = match ascends && times.len() == values.len() {
         true => times,
         false => {
             even = (0..values.len()).map(|k| k as f64).collect();

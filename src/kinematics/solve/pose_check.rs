@@ -72,7 +72,7 @@ pub fn judge_pose(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) ->
         let value = item.expression.value(coordinates);
         let relative = (value * item.weight).abs();
         // Relative to the largest terms of the motion, and to those of this pose or, where all of them vanish, to rounding.
-        let own = item.terms(&mut coordinates.to_vec());
+        let own = item.largest_summand(&mut coordinates.to_vec());
         let gradient = item.expression.gradient(coordinates);
         let inputs = item.expression.slots().into_iter();
         let inputs = inputs.filter(|slot| *slot >= mechanism.unknowns.len());

@@ -333,7 +333,7 @@ fn resolve_taking(
     let wanted = taking.width();
     if found != wanted {
         let name = &take.value;
-        let message = format!("`{name}` takes formulas in `of`: {wanted}, found {found}");
+        let message = format!("formulas in `of`: {found}, but `{name}` takes {wanted}");
         diagnostics.push(Diagnostic::error(message).at(take.span.clone()));
         return None;
     }

@@ -197,7 +197,7 @@ fn offered_poses_are_judged_by_the_terms_of_their_own_instant() {
     let folder = Workspace::new();
     /// A pose, and the exit code of its check.
     type Offer = (&'static str, i32);
-    let rows: [(&str, &str, &[Offer]); 4] = [
+    let rows: [(&str, &str, &[Offer]); 7] = [
         (
             "e1 = \"y - 10^(4*u)\"\ne2 = \"x*y^3 - y^3 - 1\"",
             "x = 2\ny = 1",
@@ -217,6 +217,22 @@ fn offered_poses_are_judged_by_the_terms_of_their_own_instant() {
             "e = \"x - 1000*exp(10*u)\"",
             "x = 1000",
             &[("x=1000", 0), ("x=1000.015", 1)],
+        ),
+        // Constants are terms as well: what is rounding beside them is none of the pose.
+        (
+            "e = \"x + 0.1 + 0.2 - 0.3\"",
+            "x = 0",
+            &[("x=0", 0), ("x=1e-11", 0), ("x=1e-6", 1)],
+        ),
+        (
+            "e = \"100*(cos(x) - 1 + y)\"\nf = \"y - u\"",
+            "x = 0.1\ny = 0",
+            &[("x=0,y=0", 0), ("x=1e-7,y=0", 0), ("x=1e-3,y=0", 1)],
+        ),
+        (
+            "e = \"(3e4 - x)/(2e2 + u)\"",
+            "x = 1e4",
+            &[("x=30000", 0), ("x=30000.00000001", 0), ("x=30001", 1)],
         ),
     ];
     for (equations, guess, poses) in rows {

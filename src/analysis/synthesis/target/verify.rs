@@ -108,15 +108,12 @@ pub fn verify_target(
     Ok(found)
 }
 
-/// Whether free inputs ascend or descend with the rows that count; inputs of the table follow the table.
+/// Whether free inputs ascend or descend with the rows; inputs of the table follow the table.
 fn in_order(target: &Target, fit: &Fit) -> bool {
     let free = target.free_input.as_ref();
     free.is_none_or(|free| {
         let phases = &fit.x[fit.x.len() - target.rows.len()..];
-        let counted = phases.iter().zip(&target.rows);
-        let counted = counted.filter(|(_, row)| row.weight > 0.0);
-        let phases: Vec<f64> = counted.map(|(phase, _)| *phase).collect();
-        is_one_way(&phases, free.is_cyclic)
+        is_one_way(phases, free.is_cyclic)
     })
 }
 
