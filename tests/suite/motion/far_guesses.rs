@@ -220,7 +220,7 @@ fn offered_poses_are_judged_by_the_terms_of_their_own_instant() {
         ),
         // Constants are terms as well: what is rounding beside them is none of the pose.
         (
-            "e = \"x + 0.1 + 0.2 - 0.3\"",
+            "e = \"x + 0.1 + 0.2 - 0.3 - u\"",
             "x = 0",
             &[("x=0", 0), ("x=1e-11", 0), ("x=1e-6", 1)],
         ),
