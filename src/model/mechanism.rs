@@ -332,6 +332,22 @@ impl Mechanism {
             .unwrap_or([self.size; 2])
     }
 
+    /// Whether anything in it is as long as something else: not in a scene of equations between numbers and angles.
+    pub fn has_lengths(&self) -> bool {
+        let mut coordinates = self.unknowns.iter().chain(&self.inputs);
+        !self.loops.is_empty()
+            || !self.bodies.is_empty()
+            || coordinates.any(|coordinate| coordinate.kind == Kind::Length)
+    }
+
+    /// Name of the unit of distances between poses; empty where no unknown is a length.
+    pub fn pose_unit(&self) -> &str {
+        match self.has_lengths() {
+            true => &self.length_unit,
+            false => "",
+        }
+    }
+
     /// Name of the unit in which values of `kind` are read and written; empty for plain numbers.
     pub fn unit_name(&self, kind: Kind) -> &str {
         match kind {

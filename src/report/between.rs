@@ -1,7 +1,7 @@
 //! What is known of the motion between the samples of a check that did not ask for its proof.
 
 use super::rounded::at_most;
-use super::sentences;
+use super::sentences::{self, beside_unit};
 use super::verdict::{Case, PROOF, Status};
 use crate::diag::decimals_of;
 use crate::model::actuation::Actuation;
@@ -58,9 +58,8 @@ impl BetweenSamples {
     fn of_redundant(&self, mechanism: &Mechanism, place: &str) -> String {
         self.closes_to.map_or(String::new(), |closes_to| {
             format!(
-                "; {place}redundant equations close to {} {}",
-                at_most(closes_to),
-                mechanism.length_unit
+                "; {place}redundant equations close to {}",
+                beside_unit(at_most(closes_to), mechanism.pose_unit())
             )
         })
     }

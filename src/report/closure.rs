@@ -35,7 +35,7 @@ pub fn unclosed_case(why: &str) -> Case {
     Case::new(MOTION, CLOSES, Status::NotClosed, why)
 }
 
-/// Whether the poses are closed to `allowed`, relative to the mechanism's size.
+/// Whether the poses are closed to `allowed`, relative to the mechanism's size or to the terms of its equations.
 pub fn closure_case(mechanism: &Mechanism, trajectory: &Trajectory, allowed: f64) -> Case {
     let worst = trajectory.closure_error();
     let status = match worst <= allowed {
@@ -57,6 +57,7 @@ pub fn error_sentence(mechanism: &Mechanism, worst: f64, allowed: f64) -> String
     let shown: f64 = format!("{size:.12e}").parse().unwrap_or(size);
     let is_one = mechanism.loops.iter().all(|item| item.size == size);
     let measure = match is_one {
+        _ if !mechanism.has_lengths() => "the terms of each equation".to_owned(),
         true => format!("{shown} {unit}"),
         false => format!("the size of each loop, at most {shown} {unit}"),
     };

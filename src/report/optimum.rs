@@ -115,7 +115,7 @@ impl OptimumReport<'_> {
             certified_error(
                 [verified.poses, verified.unproved],
                 verified.error_bound,
-                &family.mechanism().length_unit
+                family.mechanism().pose_unit()
             ),
         );
         let mut rows = vec![vec!["measure".to_owned(), "at these poses".to_owned()]];

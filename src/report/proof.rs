@@ -12,7 +12,7 @@ use crate::kinematics::structure::block::Structure;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
-use crate::report::sentences::counted_things;
+use crate::report::sentences::{beside_unit, counted_things};
 use serde_json::{Value, json};
 
 /// The assumptions of a mechanism's proofs, one sentence each.
@@ -85,7 +85,7 @@ impl<'t> MotionProof<'t> {
 
     /// One line.
     pub fn sentence(&self, mechanism: &Mechanism, actuation: &Actuation) -> String {
-        let unit = &mechanism.length_unit;
+        let unit = mechanism.pose_unit();
         // With redundant equations intervals are consistent: these hold as far as rounding allows to judge.
         let word = if self.consistent > 0 {
             CONSISTENT
@@ -100,15 +100,15 @@ impl<'t> MotionProof<'t> {
         );
         if self.consistent > 0 {
             text.push_str(&format!(
-                "; redundant equations close to {} {unit} everywhere",
-                at_most(self.closes_to)
+                "; redundant equations close to {} everywhere",
+                beside_unit(at_most(self.closes_to), unit)
             ));
         }
         // The tube around the path, and how far around it there is no other motion.
         if self.proved() > 0 {
             text.push_str(&format!(
-                "; within {} {unit} of the proved path, the only motion{}",
-                at_most(self.radius),
+                "; within {} of the proved path, the only motion{}",
+                beside_unit(at_most(self.radius), unit),
                 within_radius(self.unique_radius, unit)
             ));
         }
@@ -177,7 +177,7 @@ pub fn table_status(poses: &PoseProofs, motion: Option<&MotionProof>) -> Status 
 /// `" within 2.5 mm"`; nothing where no unknown could differ.
 fn within_radius(radius: f64, unit: &str) -> String {
     match radius.is_finite() {
-        true => format!(" within {} {unit}", at_least(radius)),
+        true => format!(" within {}", beside_unit(at_least(radius), unit)),
         false => String::new(),
     }
 }
@@ -280,11 +280,11 @@ impl PoseProofs {
         if !self.is_asked() {
             return "not requested".to_owned();
         }
-        let unit = &mechanism.length_unit;
+        let unit = mechanism.pose_unit();
         let bounds = self.certified().map_or_else(String::new, |p| {
             format!(
-                "error at most {} {unit}, the only pose{}; ",
-                at_most(p.error_bound),
+                "error at most {}, the only pose{}; ",
+                beside_unit(at_most(p.error_bound), unit),
                 within_radius(p.unique_radius, unit)
             )
         });
@@ -296,8 +296,8 @@ impl PoseProofs {
         let consistent = match self.consistent {
             0 => String::new(),
             n => format!(
-                "; {n} {CONSISTENT}: redundant equations close to {} {unit}",
-                at_most(self.closes_to)
+                "; {n} {CONSISTENT}: redundant equations close to {}",
+                beside_unit(at_most(self.closes_to), unit)
             ),
         };
         let open = match self.open {

@@ -274,8 +274,11 @@ pub fn samples_without_pose(missing: usize, samples: usize) -> String {
 /// The largest certified error of so many poses, some of them without a certificate.
 pub fn certified_error([poses, unproved]: [usize; 2], bound: f64, unit: &str) -> String {
     match unproved {
-        0 => format!("error at most {} {unit}", at_most(bound)),
+        0 => format!("error at most {}", beside_unit(at_most(bound), unit)),
         _ if unproved >= poses => "no certified error".to_owned(),
-        _ => format!("error of the others at most {} {unit}", at_most(bound)),
+        _ => format!(
+            "error of the others at most {}",
+            beside_unit(at_most(bound), unit)
+        ),
     }
 }

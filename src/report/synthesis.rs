@@ -2,7 +2,7 @@
 
 use super::cells::{aligned_rows, six_digits};
 use super::rounded::at_most;
-use super::sentences::certified_error;
+use super::sentences::{beside_unit, certified_error};
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::analysis::synthesis::verify::Proof;
 use crate::analysis::synthesis::{FinishedStart, Synthesis, ending_word};
@@ -215,11 +215,11 @@ fn proof_line(found: &FoundMechanism) -> String {
         Ok(proof) => proof,
         Err(error) => return format!("\n  NOT PROVED: {error}\n"),
     };
-    let unit = &found.family.mechanism().length_unit;
+    let unit = found.family.mechanism().pose_unit();
     let open = proof.open.map_or(String::new(), |open| {
         format!(
-            ", returning to its start to within {} {unit}",
-            at_most(open)
+            ", returning to its start to within {}",
+            beside_unit(at_most(open), unit)
         )
     });
     let mut text = format!(

@@ -77,8 +77,22 @@ pub fn unknown_magnitude(using: &[&Equation], poses: &mut [Vec<f64>], slot: usiz
 fn equation_size(equation: &Equation, poses: &mut [Vec<f64>], scales: &[f64]) -> f64 {
     let slots = equation.expression.slots();
     let own = slots.iter().filter(|slot| **slot < scales.len());
-    let felt = own.map(|slot| equation.change(&mut poses[0], *slot, scales[*slot]));
+    let felt = own.map(|slot| response(equation, &mut poses[0], *slot, scales[*slot]));
     let felt = felt.fold(0.0, f64::max);
     let terms = poses.iter_mut().map(|pose| equation.terms(pose));
     terms.fold(felt, f64::max)
+}
+
+/// Change of an equation when a coordinate changes by its magnitude; by less of it where the equation grows by magnitudes on the
+/// way, as exp(v / 0.025) does.
+fn response(equation: &Equation, pose: &mut [f64], slot: usize, magnitude: f64) -> f64 {
+    let shares = POWERS
+        .take_while(|power| *power <= 0)
+        .map(|power| 2f64.powi(power));
+    let changes = shares.map(|share| equation.change(pose, slot, share * magnitude));
+    let changes: Vec<f64> = changes.collect();
+    // From the whole magnitude downwards.
+    let mut pairs = changes.windows(2).rev();
+    let tame = pairs.find(|pair| pair[1] > 0.0 && (pair[0] == 0.0 || pair[1] <= FAR * pair[0]));
+    tame.map_or(0.0, |pair| pair[1])
 }

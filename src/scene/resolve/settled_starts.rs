@@ -100,55 +100,84 @@ fn settle(pose: &mut [f64], equations: &[&Equation], slots: &[usize]) -> bool {
         if rows.all(|(equation, value)| value.abs() <= SOLVED * equation.terms(pose)) {
             return true;
         }
-        // Newton in units of the unknowns, every row in units of its gradient.
-        let unit = |slot: usize| {
-            if pose[slot] == 0.0 {
-                1.0
-            } else {
-                pose[slot].abs()
-            }
-        };
-        let units: Vec<f64> = slots.iter().map(|slot| unit(*slot)).collect();
-        let mut columns = vec![0.0; equations.len() * slots.len()];
-        let mut scales = vec![0.0_f64; equations.len()];
-        for (i, equation) in equations.iter().enumerate() {
-            let gradient = equation.expression.gradient(pose);
-            for (j, slot) in slots.iter().enumerate() {
-                columns[j * equations.len() + i] = gradient[*slot] * units[j];
-                scales[i] = scales[i].max((gradient[*slot] * units[j]).abs());
-            }
-        }
-        let is_steep = |scale: &f64| scale.is_normal();
-        let step = scales.iter().all(is_steep).then(|| {
-            for (k, entry) in columns.iter_mut().enumerate() {
-                *entry /= scales[k % equations.len()];
-            }
-            factors.factor(&columns, equations.len(), slots.len(), DEPENDENT);
-            let mut right: Vec<f64> = values.iter().zip(&scales).map(|(v, s)| -v / s).collect();
-            let mut step = vec![0.0; slots.len()];
-            factors.solve(&mut right, &mut step);
-            let step = step.iter().zip(&units);
-            step.map(|(step, unit)| step * unit).collect::<Vec<f64>>()
-        });
-        let misfit = |pose: &[f64]| {
-            let rows = equations.iter().zip(&scales);
-            let squares = rows.map(|(equation, scale)| {
-                let scale = if scale.is_normal() { *scale } else { 1.0 };
-                (equation.expression.value(pose) / scale).powi(2)
-            });
-            squares.sum::<f64>()
-        };
+        let rows = ScaledRows::at(pose, equations, slots);
+        let misfit = |pose: &[f64]| rows.misfit(equations, pose);
+        let step = rows.newton_step(&mut factors, &values);
         let moved = step.and_then(|step| shortened(pose, slots, &step, &misfit));
         // A jump tries hundreds of places for every unknown.
         let may_jump = moved.is_none() && jumps < JUMPS;
         jumps += usize::from(may_jump);
-        let jumped = || may_jump.then(|| jumped(pose, slots, &units, &misfit));
+        let jumped = || may_jump.then(|| jumped(pose, slots, &rows.units, &misfit));
         let Some(next) = moved.or_else(|| jumped().flatten()) else {
             return false;
         };
         pose.copy_from_slice(&next);
     }
     false
+}
+
+/// The derivatives of equations in units of the unknowns, every row in units of its gradient.
+struct ScaledRows {
+    /// Of the unknowns.
+    units: Vec<f64>,
+    /// The largest entry of every row before it was divided by it.
+    scales: Vec<f64>,
+    /// Entries, one unknown after the other.
+    columns: Vec<f64>,
+}
+
+impl ScaledRows {
+    /// At a pose, by the unknowns in `slots`.
+    fn at(pose: &[f64], equations: &[&Equation], slots: &[usize]) -> Self {
+        let unit = |slot: &usize| match pose[*slot] {
+            0.0 => 1.0,
+            value => value.abs(),
+        };
+        let units: Vec<f64> = slots.iter().map(unit).collect();
+        let (count, mut columns) = (equations.len(), vec![0.0; equations.len() * slots.len()]);
+        let mut scales = vec![0.0_f64; count];
+        for (i, equation) in equations.iter().enumerate() {
+            let gradient = equation.expression.gradient(pose);
+            for (j, slot) in slots.iter().enumerate() {
+                columns[j * count + i] = gradient[*slot] * units[j];
+                scales[i] = scales[i].max(columns[j * count + i].abs());
+            }
+        }
+        Self {
+            units,
+            scales,
+            columns,
+        }
+    }
+
+    /// The Newton step from the equations' values; none where one of them has no gradient.
+    fn newton_step(&self, factors: &mut PivotedQr, values: &[f64]) -> Option<Vec<f64>> {
+        let count = self.scales.len();
+        if !self.scales.iter().all(|scale| scale.is_normal()) {
+            return None;
+        }
+        let entries = self.columns.iter().enumerate();
+        let columns: Vec<f64> = entries
+            .map(|(k, entry)| entry / self.scales[k % count])
+            .collect();
+        factors.factor(&columns, count, self.units.len(), DEPENDENT);
+        let pairs = values.iter().zip(&self.scales);
+        let mut right: Vec<f64> = pairs.map(|(value, scale)| -value / scale).collect();
+        let mut step = vec![0.0; self.units.len()];
+        factors.solve(&mut right, &mut step);
+        let step = step.iter().zip(&self.units);
+        Some(step.map(|(step, unit)| step * unit).collect())
+    }
+
+    /// Sum of the squares of all equations in units of their gradients here.
+    fn misfit(&self, equations: &[&Equation], pose: &[f64]) -> f64 {
+        let rows = equations.iter().zip(&self.scales);
+        let squares = rows.map(|(equation, scale)| {
+            let scale = if scale.is_normal() { *scale } else { 1.0 };
+            (equation.expression.value(pose) / scale).powi(2)
+        });
+        squares.sum()
+    }
 }
 
 /// The pose after as much of a step as improves the equations.
