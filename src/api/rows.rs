@@ -51,10 +51,10 @@ pub(super) fn drives(
                 input.name
             )));
         };
-        let units = mechanism.file_units(input.kind);
+        let inside = |value: &f64| mechanism.from_file(input.kind, *value);
         Ok(Drive::Keys {
             times: times.to_vec(),
-            values: values.iter().map(|value| value / units).collect(),
+            values: values.iter().map(inside).collect(),
             ease: Ease::Linear,
         })
     };

@@ -141,8 +141,8 @@ impl PairSweep<'_> {
                 match halves {
                     Some(halves) => open.extend(halves.map(|half| (half, depth + 1))),
                     None => {
-                        contact.low = contact.low.min(low);
-                        contact.high = contact.high.max(high);
+                        contact.low = lower_of(contact.low, low);
+                        contact.high = -lower_of(-contact.high, -high);
                     }
                 }
             }

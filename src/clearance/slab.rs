@@ -1,5 +1,6 @@
 //! A plane that separates two hulls during a short motion, and the gap at it.
 
+use super::look::lower_of;
 use glam::DVec3;
 
 /// Maximum number of halvings of the time before the gap counts as known: each reduces the loss to a quarter.
@@ -68,8 +69,8 @@ fn least_on_arc(
     value: &impl Fn(f64, f64) -> Option<f64>,
 ) -> Option<f64> {
     let middle = 0.5 * (from + to);
-    let lower_end = ends[0].min(ends[1]);
-    let lowest = lower_end.min(value(middle, from * to)?);
+    let lower_end = lower_of(ends[0], ends[1]);
+    let lowest = lower_of(lower_end, value(middle, from * to)?);
     // The ends are values of the curve itself: where they are too low nothing can be gained.
     if lowest >= goal || lower_end < goal || halvings == 0 {
         return Some(lowest);
@@ -84,7 +85,8 @@ fn least_on_arc(
     ];
     let mut least = f64::INFINITY;
     for (range, ends) in halves {
-        least = least.min(least_on_arc(range, ends, goal, halvings - 1, value)?);
+        let part = least_on_arc(range, ends, goal, halvings - 1, value)?;
+        least = lower_of(least, part);
         if least < goal {
             return Some(lowest);
         }

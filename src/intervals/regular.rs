@@ -3,7 +3,7 @@
 use super::system::IntervalSystem;
 use crate::linalg::gauss_jordan::GaussJordan;
 use crate::linalg::lanes::LaneMatrix;
-use crate::numbers::rounding::{GROW, OPERATION};
+use crate::numbers::rounding::{GROW, OPERATION, largest_or_nan};
 
 /// Steps of the iteration for the spectral radius.
 const STEPS: usize = 200;
@@ -54,7 +54,8 @@ pub fn spectral_bound(system: &IntervalSystem) -> f64 {
             .iter()
             .map(|row| row.iter().zip(&x).map(|(m, x)| m * x).sum::<f64>() * GROW)
             .collect();
-        let bound = y.iter().zip(&x).map(|(y, x)| y / x).fold(0.0, f64::max) * GROW;
+        // An overflow says nothing.
+        let bound = largest_or_nan(y.iter().zip(&x).map(|(y, x)| y / x)) * GROW;
         least = least.min(bound);
         let size = y.iter().fold(f64::MIN_POSITIVE, |s, v| s.max(*v));
         // A positive part of all components keeps every quotient defined.

@@ -175,6 +175,17 @@ impl MeasureSource {
         }
     }
 
+    /// Whether it is made of the values at both ends, or at one of them.
+    pub fn is_of_ends(&self) -> bool {
+        let of_ends = |taking: &Taking| {
+            matches!(
+                taking,
+                Taking::First | Taking::Last | Taking::Change | Taking::Chord
+            )
+        };
+        matches!(self, Self::Over { taking, .. } if of_ends(taking))
+    }
+
     /// Index of its track.
     pub fn track(&self) -> Option<usize> {
         match self {

@@ -402,12 +402,12 @@ impl Mechanism {
 
     /// A value in the file's unit, as a number that is read as the value again: without digits that only the conversion adds.
     pub fn file_value(&self, kind: Kind, value: f64) -> f64 {
-        let unit = self.unit_of(kind).number();
-        let shown = value / unit;
-        let short = format!("{shown:.14e}").parse().unwrap_or(shown);
-        let read = short * unit;
-        let is_same = read.next_down() <= value && value <= read.next_up();
-        if unit != 1.0 && is_same { short } else { shown }
+        printed::typed_in_unit(value, self.unit_of(kind))
+    }
+
+    /// The value that a number in the file's unit has.
+    pub fn from_file(&self, kind: Kind, number: f64) -> f64 {
+        number * self.unit_of(kind).number()
     }
 
     /// The differences between the inputs as a table prints them and `coordinates`: one entry for every coordinate,

@@ -22,6 +22,25 @@ pub fn in_unit(value: f64, unit: Constant) -> f64 {
     value * (1.0 / unit.number())
 }
 
+/// Numbers below the first are rounded to the second part of one: at most fifteen digits, the quotient of whole numbers that f64 has.
+const TYPED: [[f64; 2]; 2] = [[1e3, 1e12], [1e6, 1e9]];
+
+/// The f64 of a table for an input: as a person would have typed it, if that is read as the value again, up to the last place.
+pub fn typed_in_unit(value: f64, unit: Constant) -> f64 {
+    let factor = unit.number();
+    let shown = in_unit(value, unit);
+    let part = TYPED.iter().find(|[below, _]| shown.abs() < *below);
+    let Some([_, part]) = part.filter(|_| factor != 1.0) else {
+        return shown;
+    };
+    let short = libm::round(shown * part) / part;
+    let read = short * factor;
+    match read.next_down() <= value && value <= read.next_up() {
+        true => short,
+        false => shown,
+    }
+}
+
 /// A number as a person would have typed it, without the rounding errors of conversions of its unit.
 pub fn as_typed(value: f64) -> f64 {
     format!("{value:.13e}").parse().unwrap_or(value)
@@ -61,9 +80,9 @@ fn push_decimal_plainly(text: &mut String, value: f64, is_far: bool) {
 /// Sign, point, exponent, and seventeen digits.
 const LONGEST_DECIMAL: usize = 24;
 
-/// The printed decimal minus `value`; zero for NaN and infinities.
+/// The decimal that is printed for an input, minus its `value`; zero for NaN and infinities.
 pub fn printing_error(value: f64, unit: Constant) -> f64 {
-    let printed = in_unit(value, unit);
+    let printed = typed_in_unit(value, unit);
     let Some(size) = Constant::decimal(&shortest_decimal(printed.abs())) else {
         return 0.0;
     };
@@ -71,11 +90,21 @@ pub fn printing_error(value: f64, unit: Constant) -> f64 {
     (meant - Constant::exact(value)).number()
 }
 
-/// Bound on the difference between the printed decimal and `value`: the error of the conversion, and half a unit in the
+/// Bound on the difference between the printed decimal and a `value` that is no input: the error of the conversion, and half a unit in the
 /// last place of the decimal.
 pub fn printing_unit(value: f64, unit: Constant) -> f64 {
     let converted = unit.value() * in_unit(value, unit) - DoubleDouble::from(value);
     (converted.hi.abs() + U * value.abs() + SMALLEST) * GROW
+}
+
+/// Bound on the difference between the decimal printed for an input and its `value`: as above, and one unit in the last place more
+/// for what is left out as nobody would have typed it.
+pub fn input_rounding(value: f64, unit: Constant) -> f64 {
+    let typed = match unit.number() {
+        1.0 => 0.0,
+        _ => 3.0 * U * value.abs(),
+    };
+    (printing_unit(value, unit) + typed) * GROW
 }
 
 #[cfg(test)]
@@ -125,7 +154,23 @@ mod tests {
         }
     }
 
-    /// The rest is that of 31 digits, and never above its bound; both are met.
+    /// What a person typed in degrees is printed again; other numbers are not rounded.
+    #[test]
+    fn inputs_are_printed_as_typed() {
+        let degree = Constant::PI / Constant::exact(180.0);
+        for tenths in -100_000..100_000 {
+            let typed = f64::from(tenths) / 10.0;
+            for factor in [degree.number(), 1.0 / (1.0 / degree.number())] {
+                assert_eq!(typed_in_unit(typed * factor, degree), typed);
+            }
+        }
+        for value in [1.0, 0.123456789, 1e-20, 7e8] {
+            assert_eq!(typed_in_unit(value, degree), in_unit(value, degree));
+            assert_eq!(typed_in_unit(value, Constant::exact(1.0)), value);
+        }
+    }
+
+    /// The rest is that of 31 digits, and never above its bound, which is met. That of an input is at most one unit more.
     #[test]
     fn what_printing_leaves_out_is_known() {
         let degree = Constant::PI / Constant::exact(180.0);
@@ -133,10 +178,14 @@ mod tests {
         for (k, unit) in [Constant::exact(1.0), degree].into_iter().enumerate() {
             for step in -500..500 {
                 let value = f64::from(step) * 0.0137;
-                let (rest, bound) = (printing_error(value, unit), printing_unit(value, unit));
+                let printed = Constant::decimal(&shortest_decimal(in_unit(value, unit).abs()));
+                let rest = (printed.unwrap() * unit - Constant::exact(value.abs())).number();
+                let bound = printing_unit(value, unit);
                 assert!(rest.abs() <= bound, "{value}: {rest:e} above {bound:e}");
                 closest[k] = closest[k].max(rest.abs() / bound);
                 assert!(bound <= 6.0 * U * value.abs() + 1e-300);
+                let typed = printing_error(value, unit).abs();
+                assert!(typed <= input_rounding(value, unit));
             }
         }
         assert!(closest.iter().all(|c| *c > 0.85), "{closest:?}");

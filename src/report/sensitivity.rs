@@ -99,6 +99,14 @@ impl<'a> SensitivityTable<'a> {
                 one_sided.join(", ")
             ));
         }
+        let of_poses = self.nominal.names_of_poses(self.family);
+        if !of_poses.is_empty() {
+            text.push_str(&format!(
+                "Of {} poses, and of nothing between them: {}.\n",
+                self.nominal.poses.poses.len(),
+                of_poses.join(", ")
+            ));
+        }
         if let Some((measure, scatter)) = self.allowed {
             let measure = &list[measure];
             text.push_str(&format!(
@@ -154,6 +162,7 @@ impl<'a> SensitivityTable<'a> {
             "title": self.family.mechanism().title,
             "measures": measures,
             "one_sided": self.nominal.one_sided_names(self.family),
+            "of_poses": self.nominal.names_of_poses(self.family),
             "dimensions": rows.collect::<Vec<_>>(),
         })
     }

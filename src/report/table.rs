@@ -219,7 +219,7 @@ fn column_units(mechanism: &Mechanism, columns: TableColumns) -> Map<String, Val
 fn sample_cells(mechanism: &Mechanism, sample: &Sample, columns: TableColumns) -> Vec<TableCell> {
     let mut cells = vec![TableCell::Number(sample.time)];
     let inputs = mechanism.inputs.iter().zip(&sample.inputs);
-    cells.extend(inputs.map(|(c, v)| TableCell::Number(v * mechanism.file_units(c.kind))));
+    cells.extend(inputs.map(|(c, v)| TableCell::Number(mechanism.file_value(c.kind, *v))));
     let Some(pose) = &sample.pose else {
         let before_the_motion = TableColumns {
             motion: false,

@@ -4,7 +4,7 @@ use crate::analysis::study::ParametricMechanism;
 use crate::kinematics::enclosure::region::ToleranceInterval;
 use crate::limits::Deadline;
 use crate::model::mechanism::Kind;
-use crate::model::printed::printing_unit;
+use crate::model::printed::input_rounding;
 use crate::numbers::rounding::{DECIMAL, GROW};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -118,7 +118,7 @@ impl<'f> TolerancePlan<'f> {
         let values = &pose[mechanism.unknowns.len()..];
         let pairs = mechanism.inputs.iter().zip(values);
         pairs
-            .map(|(input, value)| printing_unit(*value, mechanism.unit_of(input.kind)))
+            .map(|(input, value)| input_rounding(*value, mechanism.unit_of(input.kind)))
             .collect()
     }
 }

@@ -41,6 +41,8 @@ pub struct ParametricMechanism {
     counts: Vec<usize>,
     /// The last pose of the drive is its end, which only some measures take.
     ends_apart: bool,
+    /// Times of further poses along the drive.
+    more_times: Vec<f64>,
 }
 
 /// The poses of a study with the file's values, and their proofs.
@@ -180,6 +182,7 @@ impl ParametricMechanism {
             carried: scene.carried,
             counts,
             ends_apart: end.is_some(),
+            more_times: Vec::new(),
         })
     }
 
@@ -292,9 +295,21 @@ impl ParametricMechanism {
     }
 
     /// The times of the poses along the drive.
-    fn drive_times(&self) -> Vec<f64> {
+    pub(super) fn drive_times(&self) -> Vec<f64> {
         let (mechanism, actuation) = (self.mechanism(), &self.actuation);
-        measured_times(mechanism, actuation, &self.measures, DRIVE_SAMPLES)
+        let mut times = measured_times(mechanism, actuation, &self.measures, DRIVE_SAMPLES);
+        times.extend(&self.more_times);
+        times.sort_by(f64::total_cmp);
+        times
+    }
+
+    /// The same family with poses of the drive at further times, between its first pose and its last.
+    pub(super) fn at_more_times(mut self, times: Vec<f64>) -> Self {
+        if let Some(count) = self.counts.get_mut(self.measures.tracks.len()) {
+            *count += times.len();
+            self.more_times.extend(times);
+        }
+        self
     }
 
     /// The same family with the pose at the start of its drive as start values; `None` where there is none.

@@ -28,6 +28,8 @@ pub struct NominalStudy {
     pub gradients: Gradients,
     /// For every measure whether its derivatives are those of one side only: at a kink of a formula, or where poses share an extreme.
     pub one_sided: Vec<bool>,
+    /// For every measure whether it is of the whole motion, and not only of the poses.
+    pub is_whole: Vec<bool>,
 }
 
 impl NominalStudy {
@@ -36,6 +38,26 @@ impl NominalStudy {
         let list = family.measures.list.iter().zip(&self.one_sided);
         let marked = list.filter(|(_, is_one_sided)| **is_one_sided);
         marked.map(|(measure, _)| measure.name.as_str()).collect()
+    }
+
+    /// Names of the measures of which only poses are known.
+    pub fn names_of_poses<'f>(&self, family: &'f ParametricMechanism) -> Vec<&'f str> {
+        let list = family.measures.list.iter().zip(&self.is_whole);
+        let marked = list.filter(|(_, is_whole)| !**is_whole);
+        marked.map(|(measure, _)| measure.name.as_str()).collect()
+    }
+
+    /// Takes the values and derivatives of some measures from a study with more poses.
+    fn take_measures(&mut self, other: Self, is_taken: &[bool]) {
+        let Gradients { measures, rows } = other.gradients;
+        let found = measures.into_iter().zip(rows).zip(other.one_sided);
+        for (index, ((value, row), one_sided)) in found.enumerate() {
+            if is_taken[index] {
+                self.gradients.measures[index] = value;
+                self.gradients.rows[index] = row;
+                self.one_sided[index] = one_sided;
+            }
+        }
     }
 }
 
@@ -91,6 +113,33 @@ pub fn varied_names(
     Ok(names)
 }
 
+/// A family at the file's own values; measures may lack derivatives.
+fn nominal_of(family: &ParametricMechanism) -> Result<NominalStudy, FamilyError> {
+    let mut evaluator = Evaluator::new(family);
+    let drawn = family.nominal()?;
+    let poses = evaluator.nominal(drawn.poses.clone());
+    let poses = poses.passing_singular(drawn.singular.map(|passage| passage.behind));
+    let gradients = evaluator.gradients_with_gaps(&poses);
+    let names = family.measures.list.iter().map(|m| &m.name);
+    let gradients = gradients.and_then(|found| {
+        let mut values = names.zip(&found.measures);
+        match values.find(|(_, value)| !value.is_finite()) {
+            Some((name, _)) => Err(Rejection::NoValue(name.clone())),
+            None => Ok(found),
+        }
+    });
+    let gradients = gradients.map_err(|rejection| evaluator.refused_start(&poses, &rejection))?;
+    let one_sided = evaluator.one_sided(&poses, &gradients);
+    let one_sided = one_sided.map_err(|rejection| evaluator.refused_start(&poses, &rejection))?;
+    Ok(NominalStudy {
+        is_whole: vec![false; gradients.measures.len()],
+        drawn,
+        poses,
+        gradients,
+        one_sided,
+    })
+}
+
 impl LoadedStudy {
     /// Reads the scene with the parameters called `names` as variables, or with those of its `[study]`.
     ///
@@ -109,12 +158,18 @@ impl LoadedStudy {
         })
     }
 
-    /// Poses, measures and derivatives with the file's values.
+    /// Poses, measures and derivatives with the file's values, extremes along the drive between the poses among them.
     ///
     /// # Errors
     /// A pose that does not exist, or a measure without a value.
     pub fn nominal(&self) -> Result<NominalStudy, FamilyError> {
-        let found = self.nominal_of_pieces()?;
+        let mut found = self.nominal_of_pieces()?;
+        let refined = self.family.refined_extremes(&found.drawn);
+        if !refined.times.is_empty() {
+            let family = self.family.clone().at_more_times(refined.times);
+            found.take_measures(nominal_of(&family)?, &refined.is_whole);
+        }
+        found.is_whole = refined.is_whole;
         let names = self.family.measures.list.iter().map(|m| &m.name);
         let lacks = |row: &Vec<f64>| row.iter().any(|slope| !slope.is_finite());
         match names.zip(&found.gradients.rows).find(|(_, row)| lacks(row)) {
@@ -129,30 +184,7 @@ impl LoadedStudy {
     /// # Errors
     /// A pose that does not exist, or a measure without a value.
     pub fn nominal_of_pieces(&self) -> Result<NominalStudy, FamilyError> {
-        let mut evaluator = Evaluator::new(&self.family);
-        let drawn = self.family.nominal()?;
-        let poses = evaluator.nominal(drawn.poses.clone());
-        let poses = poses.passing_singular(drawn.singular.map(|passage| passage.behind));
-        let gradients = evaluator.gradients_with_gaps(&poses);
-        let names = self.family.measures.list.iter().map(|m| &m.name);
-        let gradients = gradients.and_then(|found| {
-            let mut values = names.zip(&found.measures);
-            match values.find(|(_, value)| !value.is_finite()) {
-                Some((name, _)) => Err(Rejection::NoValue(name.clone())),
-                None => Ok(found),
-            }
-        });
-        let gradients =
-            gradients.map_err(|rejection| evaluator.refused_start(&poses, &rejection))?;
-        let one_sided = evaluator.one_sided(&poses, &gradients);
-        let one_sided =
-            one_sided.map_err(|rejection| evaluator.refused_start(&poses, &rejection))?;
-        Ok(NominalStudy {
-            drawn,
-            poses,
-            gradients,
-            one_sided,
-        })
+        nominal_of(&self.family)
     }
 
     /// Index of the measure of that name.

@@ -14,6 +14,7 @@ mod one_sided;
 pub mod optimum;
 mod own_motion;
 mod peaks;
+mod refined_extremes;
 mod reshaped;
 mod row_reader;
 mod rows;

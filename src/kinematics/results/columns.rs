@@ -53,13 +53,14 @@ impl ValueColumn {
 
     /// The value in the scene's units.
     pub fn value(self, mechanism: &Mechanism, sample: &Sample, pose: &ClosedPose) -> f64 {
+        let kind = self.kind(mechanism);
         let inside = match self {
-            Self::Input(k) => sample.inputs[k],
+            Self::Input(k) => return mechanism.file_value(kind, sample.inputs[k]),
             Self::Unknown(k) => pose.unknowns[k],
             Self::Trace(k, axis) => pose.traces[k][axis],
             Self::Output(k) => pose.outputs[k],
         };
-        inside * mechanism.file_units(self.kind(mechanism))
+        inside * mechanism.file_units(kind)
     }
 }
 

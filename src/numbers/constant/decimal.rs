@@ -10,6 +10,9 @@ const MOST_DIGITS: usize = 31;
 /// Powers of ten that f64 has.
 const LARGEST_POWER: u32 = 22;
 
+/// Powers of ten beyond this are read as this one: with as many digits as a text has, they stay beyond all numbers.
+const FARTHEST_POWER: i32 = 1_000_000_000;
+
 /// For decimals beyond this, the second part of the sum would underflow or overflow.
 const LONG_RANGE: std::ops::Range<f64> = 1e-270..1e270;
 
@@ -24,7 +27,7 @@ impl Digits {
     /// `None` if `text` is not a decimal of digits, one point and a power of ten.
     fn read(text: &str) -> Option<Self> {
         let (mantissa, power) = match text.split_once(['e', 'E']) {
-            Some((mantissa, power)) => (mantissa, power.parse::<i32>().ok()?),
+            Some((mantissa, power)) => (mantissa, Self::read_power(power)?),
             None => (text, 0),
         };
         let (before, after) = mantissa.split_once('.').unwrap_or((mantissa, ""));
@@ -54,6 +57,15 @@ impl Digits {
             }
         }
         Some(digits)
+    }
+
+    /// A power of ten; of one beyond all numbers nothing but its sign matters.
+    fn read_power(text: &str) -> Option<i32> {
+        let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
+        let is_whole = !digits.is_empty() && digits.bytes().all(|d| d.is_ascii_digit());
+        let size = is_whole.then(|| digits.parse().unwrap_or(FARTHEST_POWER))?;
+        let size = FARTHEST_POWER.min(size);
+        Some(if text.starts_with('-') { -size } else { size })
     }
 }
 

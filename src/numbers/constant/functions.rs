@@ -3,7 +3,7 @@
 
 use super::Constant;
 use crate::numbers::double_double::DoubleDouble;
-use crate::numbers::rounding::{LONG_FUNCTION, LONG_OPERATION};
+use crate::numbers::rounding::{LONG_FUNCTION, LONG_OPERATION, SMALLEST};
 use crate::numbers::scalar::{Ring, Scalar};
 use crate::numbers::sin_cos::long_sin_cos;
 use std::f64::consts::LN_2;
@@ -23,6 +23,9 @@ const ARC: f64 = 1.6;
 
 /// Whole exponents up to this are products of squares.
 const LARGEST_WHOLE_POWER: f64 = 1e6;
+
+/// The exponential of anything below is smaller than every f64.
+const LEAST_EXPONENT: f64 = -746.0;
 
 impl Constant {
     const UNDEFINED: Self = Self::exact(f64::NAN);
@@ -110,6 +113,9 @@ impl Scalar for Constant {
     fn exp(self) -> Self {
         if self.is_zero() {
             return Self::exact(1.0);
+        }
+        if self.value.hi + self.error < LEAST_EXPONENT {
+            return Self::within(0.0, SMALLEST);
         }
         let value = Self::exponential(self.value);
         let share = LONG_FUNCTION + libm::expm1(self.error);
@@ -235,6 +241,11 @@ impl Scalar for Constant {
                 } else {
                     product
                 }
+            }
+            // All such numbers beyond 2⁵³ are even.
+            Some(e) if e.fract() == 0.0 && self.value.hi < 0.0 => {
+                let size = (-self).power(exponent);
+                if e % 2.0 == 0.0 { size } else { -size }
             }
             Some(0.5) => self.sqrt(),
             _ if self.is_zero() && exponent.value.hi > exponent.error => self,

@@ -97,9 +97,10 @@ fn append_op(
             Op::Constant(value)
         }
         Some((_, value)) => {
-            let message = match value.is_nan() {
-                true => "this formula has no value".to_owned(),
-                false => format!("this formula has the value {value}"),
+            let message = match value {
+                _ if value.is_nan() => "this formula has no value".to_owned(),
+                _ if value.is_infinite() => format!("this formula has the value {value}"),
+                _ => "the value of this formula is not known to enough digits".to_owned(),
             };
             return Err(Diagnostic::error(message)
                 .at(node.span.clone())

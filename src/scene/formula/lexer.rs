@@ -33,7 +33,7 @@ pub fn tokenize_text(text: &str, offset: usize) -> Result<Vec<Token>, Diagnostic
     if text.len() > MAX_FORMULA_BYTES {
         return Err(
             Diagnostic::error(format!("formula is longer than {MAX_FORMULA_BYTES} bytes"))
-                .at(offset..offset + 1),
+                .at(offset..offset + text.chars().next().map_or(1, char::len_utf8)),
         );
     }
     let mut tokens = Vec::new();

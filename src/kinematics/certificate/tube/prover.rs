@@ -415,8 +415,7 @@ impl<'m> Prover<'m> {
         let mechanism = self.system.mechanism();
         for (k, value) in values.iter().enumerate() {
             // The pose may have been proved at the input as printed in a table.
-            let unit = mechanism.unit_of(mechanism.inputs[k].kind);
-            let open = printed::printing_unit(*value, unit);
+            let open = printed::input_rounding(*value, mechanism.unit_of(mechanism.inputs[k].kind));
             let off = inputs.admit(k, place.time, *value, open);
             if off.is_nan() || off > SAME_INPUT * self.unit(k, *value) {
                 return Err(ProofObstacle::Drive);
