@@ -10,6 +10,7 @@ use super::printed;
 use super::rate::RatedFormula;
 use super::shape::Shape;
 use crate::numbers::constant::Constant;
+use crate::numbers::decimal::rounded_to;
 use glam::DVec3;
 
 /// A joint coordinate: an unknown or an input.
@@ -412,7 +413,7 @@ impl Mechanism {
     pub fn file_value(&self, kind: Kind, value: f64) -> f64 {
         let unit = self.unit_of(kind).number();
         let shown = value / unit;
-        let short = format!("{shown:.14e}").parse().unwrap_or(shown);
+        let short = rounded_to(shown, 15);
         let read = short * unit;
         let is_same = read.next_down() <= value && value <= read.next_up();
         if unit != 1.0 && is_same { short } else { shown }

@@ -20,7 +20,7 @@ pub fn fixed(value: f64, places: usize) -> String {
 pub fn trimmed(value: f64, places: usize) -> String {
     let text = fixed(value, places);
     match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        true => without_zeros(&text).to_owned(),
         false => text,
     }
 }
@@ -36,6 +36,21 @@ pub fn significant(value: f64, digits: usize) -> String {
     } else {
         format!("{value:.behind_first$e}")
     }
+}
+
+/// The same without trailing zeros.
+pub fn shortened(value: f64, digits: usize) -> String {
+    let text = significant(value, digits);
+    let (number, exponent) = text.split_at(text.find('e').unwrap_or(text.len()));
+    match number.contains('.') {
+        true => format!("{}{exponent}", without_zeros(number)),
+        false => text,
+    }
+}
+
+/// A decimal without the zeros that end its fraction.
+fn without_zeros(decimal: &str) -> &str {
+    decimal.trim_end_matches('0').trim_end_matches('.')
 }
 
 /// The number nearest to the value among those with this many digits.
@@ -83,6 +98,16 @@ mod tests {
             (f64::NAN, 2, "NaN"),
         ] {
             assert_eq!(significant(value, digits), text);
+        }
+        for (value, text) in [
+            (48.590377890, "48.5904"),
+            (-0.125, "-0.125"),
+            (1_234_567.0, "1.23457e6"),
+            (2.5e-10, "2.5e-10"),
+            (120.0, "120"),
+            (0.0, "0"),
+        ] {
+            assert_eq!(shortened(value, 6), text);
         }
         assert_eq!(with_minus(&significant(-6.5e-5, 2)), "−6.5e−5");
         assert_eq!(rounded_to(0.1 + 0.2, 15), 0.3);

@@ -1,5 +1,7 @@
 //! Numbers and aligned columns of tables for people.
 
+use crate::numbers::decimal::significant;
+
 /// Rows of cells, the first left-aligned, the others right-aligned.
 pub fn aligned_rows(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
@@ -31,13 +33,5 @@ pub fn aligned_rows(rows: &[Vec<String>]) -> String {
 
 /// A number with six significant digits.
 pub fn six_digits(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 {
-        "0".to_owned()
-    } else if (1e-3..1e6).contains(&size) {
-        let digits = (5 - libm::log10(size).floor() as i32).max(0) as usize;
-        format!("{value:.digits$}")
-    } else {
-        format!("{value:.5e}")
-    }
+    significant(value, 6)
 }
