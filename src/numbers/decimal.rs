@@ -31,6 +31,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         "0".to_owned()
     } else if PLAIN.contains(&value.abs()) {
+        // Digits before the point are all written, however few were asked for.
         let places = behind_first as i32 - libm::floor(libm::log10(value.abs())) as i32;
         fixed(value, places.max(0) as usize)
     } else {
@@ -62,7 +63,8 @@ pub fn rounded_to(value: f64, digits: usize) -> f64 {
 
 /// A number's text with a real minus sign, also in its exponent.
 pub fn with_minus(text: &str) -> String {
-    text.replace('-', "\u{2212}")
+    let real = |c| if c == '-' { MINUS } else { c };
+    text.chars().map(real).collect()
 }
 
 #[cfg(test)]
