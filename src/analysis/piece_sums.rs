@@ -21,12 +21,12 @@ pub struct HistogramBins {
 }
 
 impl HistogramBins {
-    /// Bins for values that deviate from `nominal` by up to twice the `worst` linear case; by as much as the value itself where
-    /// that tells nothing.
-    pub fn new(nominal: f64, worst: f64) -> Self {
+    /// Bins for values that deviate from `nominal` by up to twice the `worst` linear case; where that tells nothing, by as much
+    /// as the value itself, or as `size`, which is neither large nor small.
+    pub fn new(nominal: f64, worst: f64, size: f64) -> Self {
         let worst = match worst > 0.0 && worst.is_finite() {
             true => worst,
-            false => nominal.abs().max(1.0),
+            false => nominal.abs().max(size),
         };
         Self {
             nominal,
@@ -342,9 +342,21 @@ mod tests {
 
     fn bins() -> [HistogramBins; 2] {
         [
-            HistogramBins::new(100.0, 0.3),
-            HistogramBins::new(101.0, 0.3),
+            HistogramBins::new(100.0, 0.3, 1.0),
+            HistogramBins::new(101.0, 0.3, 1.0),
         ]
+    }
+
+    /// Bins are measured in what is neither large nor small, so that the unit of length does not matter.
+    #[test]
+    fn bins_without_a_linear_rule_have_the_size_of_the_mechanism() {
+        for size in [1e-9, 1.0, 1e6] {
+            for worst in [0.0, f64::NAN, f64::INFINITY] {
+                let bins = HistogramBins::new(0.0, worst, size);
+                assert_eq!(bins.low, -2.0 * size);
+                assert_eq!(bins.width, 4.0 * size / BINS as f64);
+            }
+        }
     }
 
     #[test]

@@ -63,9 +63,15 @@ impl<'a> ToleranceStudy<'a> {
 
     /// Where the values of every measure are counted.
     pub fn bins(&self) -> Vec<HistogramBins> {
-        let measures = self.nominal.gradients.measures.iter().zip(&self.linear);
+        let family = &self.study.family;
+        let measures = family.measures.list.iter();
+        let values = self.nominal.gradients.measures.iter().zip(&self.linear);
         measures
-            .map(|(nominal, linear)| HistogramBins::new(*nominal, linear.linear_sum))
+            .zip(values)
+            .map(|(measure, (nominal, linear))| {
+                let size = family.mechanism().natural_size(measure.kind);
+                HistogramBins::new(*nominal, linear.linear_sum, size)
+            })
             .collect()
     }
 

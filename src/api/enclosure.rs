@@ -108,10 +108,7 @@ impl Enclosure {
 
 /// The bands of one quantity in its unit at every sample, rounded outwards; NaN where there is none.
 fn bands_of(mechanism: &Mechanism, motion: &[Enclosed], index: usize, kind: Kind) -> Vec<[f64; 2]> {
-    let end = |value: f64, side: f64| {
-        let shown = rounded_end(value, kind, mechanism, side);
-        shown.parse().unwrap_or(side * f64::INFINITY)
-    };
+    let end = |value: f64, side: f64| rounded_end(value, kind, mechanism, side);
     let bands = motion
         .iter()
         .map(|e| e.bands.as_ref().ok()?.list.get(index));

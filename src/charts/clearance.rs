@@ -4,7 +4,7 @@ use crate::clearance::check::{ClearanceReport, PairReport};
 use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 use crate::plot::chart::{Axis, Chart, EventMark, Panel, PlotSeries, Shade};
-use crate::report::rounded::not_below;
+use crate::report::lengths::LengthForm;
 
 /// Lower bound of a pair's distance over the motion; `None` where it would lie below the chart.
 fn chart_bound(pair: &PairReport) -> Option<f64> {
@@ -106,7 +106,10 @@ fn mark_worst(mechanism: &Mechanism, worst: &PairReport, panel: &mut Panel, char
             true => "not above zero".to_owned(),
             false => "the depth of the overlap has no bound".to_owned(),
         },
-        |bound| format!("never below {} {unit} ({how})", not_below(bound, 4)),
+        |bound| {
+            let form = LengthForm::of(&[least.distance, minimum], mechanism.size, 4);
+            format!("never below {} {unit} ({how})", form.at_least(bound))
+        },
     );
     chart.notes.push(format!(
         "dashed: the required minimum, {minimum}, and the bound of {pair}, {known}"

@@ -2,8 +2,10 @@
 
 use crate::clearance::check::{ClearanceClass, ClearanceReport, PairReport};
 use crate::model::mechanism::Mechanism;
+use crate::numbers::decimal::fixed;
 use crate::plot::matrix::{MatrixCell, MatrixChart};
 use crate::plot::theme::Colour;
+use crate::report::lengths::{CONTACT, at_least_length};
 use std::collections::HashMap;
 
 /// More bodies do not fit into one picture: those of the worst pairs are shown.
@@ -41,7 +43,7 @@ pub fn clearance_matrix(
         Some(MatrixCell {
             place: [a.max(b), a.min(b)],
             fill: class_colour(pair.class(band)),
-            text: short_number(pair.least.distance),
+            text: cell_text(pair.least.distance, mechanism.size),
         })
     };
     // A pair that is checked except for the shapes at its joint is shown as checked.
@@ -116,7 +118,11 @@ fn matrix_notes(mechanism: &Mechanism, report: &ClearanceReport, shown: usize) -
         "Least distances over the motion in {unit}, column by number; negative ones are depths."
     )];
     notes.extend(report.far.map(|far| {
-        format!("Empty cells: {} pairs that stay at least {:.3} {unit} apart, and pairs that are not looked at.", far.count, far.apart)
+        format!(
+            "Empty cells: {} pairs that stay at least {} {unit} apart, and pairs that are not looked at.",
+            far.count,
+            at_least_length(far.apart, mechanism.size, 3)
+        )
     }));
     let all = mechanism
         .bodies
@@ -129,12 +135,33 @@ fn matrix_notes(mechanism: &Mechanism, report: &ClearanceReport, shown: usize) -
     notes
 }
 
-/// A distance in about four signs.
-fn short_number(value: f64) -> String {
-    match value.abs() {
-        size if size >= 1e5 => format!("{value:.0e}"),
-        size if size >= 100.0 => format!("{value:.0}"),
-        size if size >= 10.0 => format!("{value:.1}"),
-        _ => format!("{value:.2}"),
+/// A distance in about four signs in a mechanism of this `size`.
+fn cell_text(distance: f64, size: f64) -> String {
+    match distance.abs() {
+        least if least < 0.01 && least > CONTACT * size => format!("{distance:.0e}"),
+        least if least < 10.0 => fixed(distance, 2),
+        least if least < 100.0 => fixed(distance, 1),
+        least if least < 1e5 => fixed(distance, 0),
+        _ => format!("{distance:.0e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_show_distances_of_any_size() {
+        for (distance, size, text) in [
+            (12345.6, 300.0, "12346"),
+            (123_456.0, 300.0, "1e5"),
+            (12.34, 300.0, "12.3"),
+            (1.234, 300.0, "1.23"),
+            (0.0012, 300.0, "1e-3"),
+            (-0.0012, 0.3, "-1e-3"),
+            (-1e-9, 300.0, "0.00"),
+        ] {
+            assert_eq!(cell_text(distance, size), text);
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! What a chart of a motion leaves out, and how it says so: ranges without values, and points far outside.
 
+use crate::numbers::decimal::with_minus;
 use crate::plot::chart::{Panel, Shade};
 
 /// Values farther away than this many times the range of the middle nine tenths are not shown. Near a singular pose a
@@ -8,21 +9,6 @@ const OUTLYING: f64 = 8.0;
 
 /// Share of values at either end that do not count in that range.
 const TAIL: f64 = 0.05;
-
-/// Six digits.
-pub(super) fn short_number(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    let whole = libm::floor(libm::log10(value.abs())) as i32 + 1;
-    let text = format!("{value:.*}", (6 - whole).clamp(0, 9) as usize);
-    let text = if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        &text
-    };
-    text.replace('-', "−")
-}
 
 /// Ranges of the axis over runs of samples without a pose or without a value, each up to the next sample that has
 /// one; overlapping ones are joined.
@@ -101,7 +87,7 @@ pub(super) fn leave_out_outliers(panel: &mut Panel) -> Option<String> {
     Some(format!(
         "{}: {points} beyond the picture, up to {}",
         names.join(", "),
-        format!("{largest:.3e}").replace('-', "−")
+        with_minus(&format!("{largest:.3e}"))
     ))
 }
 
@@ -138,18 +124,6 @@ mod tests {
             gap_shades(&marked, &beside, &x),
             [shade(0.0, 3.0, "no pose")]
         );
-    }
-
-    #[test]
-    fn places_are_written_with_six_digits() {
-        for (value, text) in [
-            (48.590377890, "48.5904"),
-            (-0.125, "−0.125"),
-            (1234567.0, "1234567"),
-            (0.0, "0"),
-        ] {
-            assert_eq!(short_number(value), text);
-        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Charts of a solved motion: the plots of a scene, evaluated at every sample. Where the motion has no pose, the chart
 //! says so.
 
-use super::gaps::{gap_shades, leave_out_outliers, short_number};
+use super::gaps::{gap_shades, leave_out_outliers};
 use crate::kinematics::rates::columns::{RateVariable, slot_series};
 use crate::kinematics::rates::rated::rate_values;
 use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
@@ -11,6 +11,7 @@ use crate::model::expression::{Expression, Op};
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::plot::{Abscissa, Plot, PlotCurve};
 use crate::model::rate::RateOrder;
+use crate::numbers::decimal::{shortened, with_minus};
 use crate::numbers::series::TaylorSeries;
 use crate::plot::chart::{Axis, Chart, EventMark, Panel, PlotSeries};
 use crate::plot::scale::ScaleKind;
@@ -385,6 +386,9 @@ impl ChartedMotion<'_> {
     }
 }
 
+/// Digits of the place at which a motion ends.
+const PLACE_DIGITS: usize = 6;
+
 /// An event in a word or two.
 fn event_word(event: &Event, place: f64, x: &Abscissa) -> String {
     let unit = match x {
@@ -392,9 +396,10 @@ fn event_word(event: &Event, place: f64, x: &Abscissa) -> String {
         Abscissa::Quantity(curve) => curve.unit.as_str(),
     };
     match &event.kind {
-        EventKind::MotionEnds(_) => format!("ends at {} {unit}", short_number(place))
-            .trim_end()
-            .to_owned(),
+        EventKind::MotionEnds(_) => {
+            let place = with_minus(&shortened(place, PLACE_DIGITS));
+            format!("ends at {place} {unit}").trim_end().to_owned()
+        }
         EventKind::MotionResumes { same_branch: true } => "resumes".to_owned(),
         EventKind::MotionResumes { same_branch: false } => "resumes on another branch".to_owned(),
         EventKind::SingularPosePassed | EventKind::SingularPoseMet => "singular pose".to_owned(),

@@ -1,7 +1,7 @@
 //! How names and values are written, and in which colour.
 
 use super::scheme::{QuantitySource, SchemeAngle, SchemeLength};
-use crate::plot::decimal::trimmed_decimal;
+use crate::numbers::decimal::{trimmed, with_minus};
 use crate::plot::theme::{ChartTheme, Colour};
 use crate::staging::quantity_names::written_names;
 
@@ -51,7 +51,7 @@ pub fn valued_name(name: &str, value: f64, unit: &str) -> String {
         true => (3.0 - libm::log10(size).floor()).max(4.0) as usize,
         false => 4,
     };
-    let short = trimmed_decimal(value, places).replace('-', "\u{2212}");
+    let short = with_minus(&trimmed(value, places));
     let gap = if unit == "°" || unit.is_empty() {
         ""
     } else {

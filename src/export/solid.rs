@@ -5,6 +5,7 @@ use super::error::ExportError;
 use super::model::{ExportModel, ModelPart};
 use super::target::Output;
 use crate::math::narrow_vector;
+use crate::numbers::decimal::trimmed;
 use std::collections::BTreeSet;
 use std::io::{self, BufWriter, Write};
 
@@ -99,7 +100,7 @@ fn obj_lines(model: &ExportModel, library: Option<&str>, file: &mut dyn Write) -
         let [r, g, b] = part.colour.map(|c| f32::from(c) / 255.0);
         for point in &part.mesh.positions {
             let point = pose.transform_point(*point).to_array();
-            let [x, y, z] = point.map(|coordinate| decimal(coordinate, decimals));
+            let [x, y, z] = point.map(|coordinate| trimmed(coordinate, decimals));
             writeln!(file, "v {x} {y} {z} {r:.4} {g:.4} {b:.4}")?;
         }
         for normal in &part.mesh.normals {
@@ -116,15 +117,6 @@ fn obj_lines(model: &ExportModel, library: Option<&str>, file: &mut dyn Write) -
         base += part.mesh.positions.len();
     }
     Ok(())
-}
-
-/// A number with at most so many decimals.
-fn decimal(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
 }
 
 fn one_line(text: &str) -> String {

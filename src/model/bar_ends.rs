@@ -2,7 +2,7 @@
 
 use super::chain::{ArgumentValue, Chain, ChainJoint, ChainStep, ElementaryMotion};
 use super::joints::Joint;
-use super::mechanism::{BarEnd, Kind, Mechanism};
+use super::mechanism::{BarEnd, Mechanism};
 use crate::math::{Pose, sin_cos};
 use glam::DVec3;
 use std::cell::OnceCell;
@@ -193,10 +193,7 @@ impl<'m> BarEnds<'m> {
     fn trial_arguments(&self, trial: usize) -> Vec<ArgumentValue> {
         let mechanism = self.mechanism;
         let coordinates = (0..mechanism.coordinate_count()).map(|slot| {
-            let scale = match mechanism.kind_of(slot) {
-                Kind::Length => mechanism.size,
-                Kind::Angle | Kind::Number => 1.0,
-            };
+            let scale = mechanism.natural_size(mechanism.kind_of(slot));
             scale * sin_cos(1.0 + (slot + 1) as f64 * (trial as f64 + 0.5)).0
         });
         mechanism.argument_values(&coordinates.collect::<Vec<f64>>())

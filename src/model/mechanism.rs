@@ -400,6 +400,14 @@ impl Mechanism {
         1.0 / self.unit_of(kind).number()
     }
 
+    /// A length, an angle or a number that is neither large nor small in this mechanism.
+    pub fn natural_size(&self, kind: Kind) -> f64 {
+        match kind {
+            Kind::Length => self.size,
+            Kind::Angle | Kind::Number => 1.0,
+        }
+    }
+
     /// A value in the file's unit, as a number that is read as the value again: without digits that only the conversion adds.
     pub fn file_value(&self, kind: Kind, value: f64) -> f64 {
         printed::typed_in_unit(value, self.unit_of(kind))

@@ -4,6 +4,7 @@
 //! for an input all its digits ([`printing_error`]), for everything else a bound ([`printing_unit`]).
 
 use crate::numbers::constant::Constant;
+use crate::numbers::decimal::rounded_to;
 use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::rounding::{GROW, SMALLEST, U};
 use std::fmt::Write;
@@ -43,7 +44,7 @@ pub fn typed_in_unit(value: f64, unit: Constant) -> f64 {
 
 /// A number as a person would have typed it, without the rounding errors of conversions of its unit.
 pub fn as_typed(value: f64) -> f64 {
-    format!("{value:.13e}").parse().unwrap_or(value)
+    rounded_to(value, 14)
 }
 
 /// The shortest decimal that reads back as the same number.

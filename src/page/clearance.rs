@@ -11,7 +11,7 @@ use crate::math::narrow_vector;
 use crate::model::mechanism::Mechanism;
 use crate::plot::chart::Chart;
 use crate::report::clearance::{body_names, judgement_reason, judgement_word, pair_sentence};
-use crate::report::rounded::not_below;
+use crate::report::lengths::at_least_length;
 use crate::report::sentences::counted_things;
 use crate::report::verdict::Status;
 use serde_json::{Value, json};
@@ -66,7 +66,7 @@ pub fn clearance_section(
         section.text(&format!(
             "{} more pairs never come closer than {} {} ({})",
             far.count,
-            not_below(far.apart, 3),
+            at_least_length(far.apart, mechanism.size, 3),
             mechanism.length_unit,
             sure(far.is_certified),
         ));
@@ -95,7 +95,10 @@ fn pair_row(
     };
     let bound = pair.known_bound().map_or_else(
         || "–".to_owned(),
-        |bound| format!("{} ({})", not_below(bound, 6), sure(least.is_certified)),
+        |bound| {
+            let bound = at_least_length(bound, mechanism.size, 6);
+            format!("{bound} ({})", sure(least.is_certified))
+        },
     );
     let unit = &mechanism.length_unit;
     marks.push(json!({

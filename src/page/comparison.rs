@@ -18,7 +18,7 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::plot::chart::{Chart, SeriesStyle};
 use crate::render::RenderError;
 use crate::report::clearance::{body_names, judgement_word};
-use crate::report::rounded::not_below;
+use crate::report::lengths::at_least_length;
 use crate::report::verdict::{Case, Verdict};
 use serde_json::json;
 
@@ -296,12 +296,15 @@ fn clearance_section(
             "difference:",
         ],
     );
-    let cells = |pair: Option<&PairReport>| match pair {
+    let cells = |checked: &CheckedMotion, pair: Option<&PairReport>| match pair {
         Some(pair) => [
             Cell::text(judgement_word(&pair.judgement)),
             Cell::number(decimals_of(pair.least.distance, 6)),
             match pair.known_bound().filter(|_| pair.least.is_certified) {
-                Some(bound) => Cell::number(not_below(bound, 6)),
+                Some(bound) => {
+                    let size = checked.scene.mechanism.size;
+                    Cell::number(at_least_length(bound, size, 6))
+                }
                 None => Cell::number("not proved"),
             },
         ],
@@ -323,8 +326,8 @@ fn clearance_section(
     for pair in &after.judged {
         let was = of(pair);
         let mut row = vec![Cell::text(names(new, pair).join(" / "))];
-        row.extend(cells(was));
-        row.extend(cells(Some(pair)));
+        row.extend(cells(old, was));
+        row.extend(cells(new, Some(pair)));
         let change = was.map(|was| pair.least.distance - was.least.distance);
         row.push(change.map_or(Cell::Empty, |c| Cell::number(signed_change(c))));
         table.rows.push(row);
@@ -338,8 +341,8 @@ fn clearance_section(
     };
     for pair in before.judged.iter().filter(|_| is_alike).filter(is_gone) {
         let mut row = vec![Cell::text(names(old, pair).join(" / "))];
-        row.extend(cells(Some(pair)));
-        row.extend(cells(None));
+        row.extend(cells(old, Some(pair)));
+        row.extend(cells(new, None));
         row.push(Cell::Empty);
         table.rows.push(row);
     }

@@ -4,6 +4,7 @@ use super::markup::{Cell, Table};
 use crate::diag::decimals_of;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
+use crate::numbers::decimal::rounded_to;
 use crate::report::sentences::beside_unit;
 
 /// Quantities whose values follow the slider.
@@ -86,7 +87,7 @@ const EXACT_POWER: i32 = 22;
 fn rounded_to_six(value: f64) -> f64 {
     let decimals = 5.0 - libm::log10(value.abs()).floor();
     if decimals.abs() > f64::from(EXACT_POWER) || value == 0.0 {
-        return format!("{value:.5e}").parse().unwrap_or(value);
+        return rounded_to(value, 6);
     }
     let power = 10_f64.powi(decimals.abs() as i32);
     match decimals >= 0.0 {

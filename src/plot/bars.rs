@@ -4,6 +4,7 @@ use super::drawing::Drawing;
 use super::layout::{Ruler, Sizes};
 use super::primitive::{DrawnPrimitive, LineStyle, Rect, TextAnchor};
 use super::theme::{ChartTheme, Colour};
+use crate::numbers::decimal::{significant, with_minus};
 
 /// What a picture of bars shows.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -227,7 +228,7 @@ impl BarTable {
             let at = [left + wide, middle + 0.5 * sizes.small];
             self.text(
                 at,
-                &three_digits(*value),
+                &with_minus(&significant(*value, 3)),
                 sizes.small,
                 TextAnchor::End,
                 theme.faint_text,
@@ -240,19 +241,6 @@ impl BarTable {
             stroke: LineStyle::solid(theme.axis, sizes.hair),
             name: String::new(),
         });
-    }
-}
-
-/// A number with three significant digits.
-fn three_digits(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 {
-        "0".to_owned()
-    } else if (1e-3..1e5).contains(&size) {
-        let digits = (2 - libm::floor(libm::log10(size)) as i32).max(0) as usize;
-        format!("{value:.digits$}").replace('-', "\u{2212}")
-    } else {
-        format!("{value:.2e}").replace('-', "\u{2212}")
     }
 }
 
@@ -305,18 +293,6 @@ mod tests {
                 bars.iter()
                     .all(|(r, _)| inside(r) && r.bottom < f64::from(size[1]))
             );
-        }
-    }
-
-    #[test]
-    fn numbers_have_three_digits() {
-        for (value, text) in [
-            (2.2612, "2.26"),
-            (-0.0123456, "\u{2212}0.0123"),
-            (1234.0, "1234"),
-            (6.5e-5, "6.50e\u{2212}5"),
-        ] {
-            assert_eq!(three_digits(value), text);
         }
     }
 }

@@ -9,7 +9,6 @@ pub mod chart;
 pub mod colour_bar;
 pub mod companion;
 mod curves;
-pub mod decimal;
 pub mod drawing;
 mod frame;
 mod headings;

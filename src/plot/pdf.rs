@@ -1,11 +1,11 @@
 //! Writes a drawing as a PDF of one page: lines as lines, texts in the standard fonts of every reader (Helvetica, and
 //! Symbol for Greek), so that nothing is embedded.
 
-use super::decimal::trimmed_decimal;
 use super::drawing::Drawing;
 use super::pdf_text::{TextRun, text_runs, text_width};
 use super::primitive::{DrawnPrimitive, LineStyle, TextAnchor};
 use super::theme::Colour;
+use crate::numbers::decimal::trimmed;
 use std::fmt::Write;
 
 /// Points of a pixel: 96 pixels are an inch, and 72 points.
@@ -249,7 +249,7 @@ fn utf16_hex(text: &str) -> String {
 
 /// Thousandths are finer than the resolution of any printer.
 fn point_number(value: f64) -> String {
-    trimmed_decimal(value, 3)
+    trimmed(value, 3)
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! A drawing as SVG text: real texts, one element per line, names for the curves.
 
-use super::decimal::trimmed_decimal;
 use super::drawing::Drawing;
 use super::primitive::{DrawnPrimitive, LineStyle, TextAnchor};
 use super::theme::Colour;
 use crate::diag::xml_text;
+use crate::numbers::decimal::trimmed;
 use std::fmt::Write;
 
 /// Height of the capitals in sizes of the font, for the preferred font.
@@ -63,10 +63,10 @@ fn write_element(primitive: &DrawnPrimitive, out: &mut String) {
         DrawnPrimitive::Area { rect, fill } => write!(
             out,
             "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"{}/>",
-            short_number(rect.left),
-            short_number(rect.top),
-            short_number(rect.width()),
-            short_number(rect.height()),
+            pixel_number(rect.left),
+            pixel_number(rect.top),
+            pixel_number(rect.width()),
+            pixel_number(rect.height()),
             paint_attributes("fill", *fill)
         ),
         DrawnPrimitive::Line {
@@ -88,9 +88,9 @@ fn write_element(primitive: &DrawnPrimitive, out: &mut String) {
         } => write!(
             out,
             "<circle cx=\"{}\" cy=\"{}\" r=\"{}\"{}{}/>",
-            short_number(centre[0]),
-            short_number(centre[1]),
-            short_number(*radius),
+            pixel_number(centre[0]),
+            pixel_number(centre[1]),
+            pixel_number(*radius),
             paint_attributes("fill", *fill),
             stroke_attributes(*stroke)
         ),
@@ -103,9 +103,9 @@ fn write_element(primitive: &DrawnPrimitive, out: &mut String) {
         } => write!(
             out,
             "<text x=\"{}\" y=\"{}\" font-size=\"{}\"{}{}>{}</text>",
-            short_number(at[0]),
-            short_number(at[1]),
-            short_number(size / CAPITALS_PER_EM),
+            pixel_number(at[0]),
+            pixel_number(at[1]),
+            pixel_number(size / CAPITALS_PER_EM),
             match anchor {
                 TextAnchor::Start => "",
                 TextAnchor::Middle => " text-anchor=\"middle\"",
@@ -139,19 +139,19 @@ fn write_line(
 fn corner_list(points: &[[f64; 2]]) -> String {
     let texts = points
         .iter()
-        .map(|[x, y]| format!("{},{}", short_number(*x), short_number(*y)));
+        .map(|[x, y]| format!("{},{}", pixel_number(*x), pixel_number(*y)));
     texts.collect::<Vec<_>>().join(" ")
 }
 
 fn stroke_attributes(stroke: LineStyle) -> String {
     let mut text = paint_attributes("stroke", stroke.colour);
-    let _ = write!(text, " stroke-width=\"{}\"", short_number(stroke.width));
+    let _ = write!(text, " stroke-width=\"{}\"", pixel_number(stroke.width));
     if let Some([dash, gap]) = stroke.dashes.lengths(stroke.width) {
-        let dash = short_number(dash);
+        let dash = pixel_number(dash);
         let _ = write!(
             text,
             " stroke-dasharray=\"{dash} {}\" stroke-linecap=\"butt\"",
-            short_number(gap)
+            pixel_number(gap)
         );
     }
     text
@@ -160,15 +160,15 @@ fn stroke_attributes(stroke: LineStyle) -> String {
 fn paint_attributes(attribute: &str, [r, g, b, a]: Colour) -> String {
     let mut text = format!(" {attribute}=\"#{r:02x}{g:02x}{b:02x}\"");
     if a < 255 {
-        let opacity = short_number(f64::from(a) / 255.0);
+        let opacity = pixel_number(f64::from(a) / 255.0);
         let _ = write!(text, " {attribute}-opacity=\"{opacity}\"");
     }
     text
 }
 
 /// Hundredths of a pixel are finer than any screen.
-fn short_number(value: f64) -> String {
-    trimmed_decimal(value, 2)
+fn pixel_number(value: f64) -> String {
+    trimmed(value, 2)
 }
 
 #[cfg(test)]
@@ -176,7 +176,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_short() {
+    fn numbers_are_pixels_in_hundredths() {
         for (value, text) in [
             (1.0, "1"),
             (0.125, "0.12"),
@@ -184,7 +184,7 @@ mod tests {
             (12.5, "12.5"),
             (100.0, "100"),
         ] {
-            assert_eq!(short_number(value), text);
+            assert_eq!(pixel_number(value), text);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Round numbers along an axis, and how they are written.
 
 use super::scale::{Scale, ScaleKind};
+use crate::numbers::decimal::{fixed, with_minus};
 use std::f64::consts::PI;
 
 /// A number on an axis.
@@ -125,7 +126,7 @@ fn linear_ticks(low: f64, high: f64, most: usize, unit: &str) -> Ticks {
         .into_iter()
         .map(|k| Tick {
             value: k * step,
-            text: tick_text(k * unit_step, decimals),
+            text: with_minus(&fixed(k * unit_step, decimals)),
         })
         .collect();
     Ticks { list, factor }
@@ -151,16 +152,6 @@ fn step_decimals(step: f64) -> usize {
     digits.clamp(0.0, 12.0) as usize
 }
 
-/// A number with a real minus sign.
-fn tick_text(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
-    match text.strip_prefix('-') {
-        Some(digits) if digits.bytes().any(|b| (b'1'..=b'9').contains(&b)) => format!("−{digits}"),
-        Some(digits) => digits.to_owned(),
-        None => text,
-    }
-}
-
 /// `1e−6`, the way exponents are written in charts.
 pub fn power_of_ten(exponent: i32) -> String {
     match exponent {
@@ -168,8 +159,7 @@ pub fn power_of_ten(exponent: i32) -> String {
         1 => "10".to_owned(),
         2 => "100".to_owned(),
         3 => "1000".to_owned(),
-        k if k < 0 => format!("1e−{}", -k),
-        k => format!("1e{k}"),
+        k => with_minus(&format!("1e{k}")),
     }
 }
 

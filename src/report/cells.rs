@@ -1,5 +1,7 @@
 //! Numbers and aligned columns of tables for people.
 
+use crate::numbers::decimal::significant;
+
 /// Rows of cells, the first left-aligned, the others right-aligned.
 pub fn aligned_rows(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
@@ -29,52 +31,7 @@ pub fn aligned_rows(rows: &[Vec<String>]) -> String {
     text
 }
 
-/// A text as a CSV cell: quoted if necessary, and with an apostrophe before anything that a spreadsheet would run as a
-/// formula. Sequences of signs, such as those of a branch, are only quoted: they run nothing.
-pub fn quoted_cell(text: &str) -> String {
-    let is_formula = text.starts_with(['+', '-', '=', '@', '\t', '\r']);
-    if text.parse::<f64>().is_ok() {
-        return text.to_owned();
-    }
-    let is_signs = text.chars().all(|c| matches!(c, '+' | '-' | '0'));
-    let mark = if is_formula && !is_signs { "'" } else { "" };
-    if is_formula || text.contains([',', ';', '"', '\n', '\r']) {
-        format!("\"{mark}{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
-    }
-}
-
 /// A number with six significant digits.
 pub fn six_digits(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 {
-        "0".to_owned()
-    } else if (1e-3..1e6).contains(&size) {
-        let digits = (5 - libm::log10(size).floor() as i32).max(0) as usize;
-        format!("{value:.digits$}")
-    } else {
-        format!("{value:.5e}")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn no_cell_is_run_by_a_spreadsheet() {
-        for (text, cell) in [
-            ("crank", "crank"),
-            ("a, b", "\"a, b\""),
-            ("say \"so\"", "\"say \"\"so\"\"\""),
-            ("=cmd|' /C calc'!A0", "\"'=cmd|' /C calc'!A0\""),
-            ("@SUM(A1)", "\"'@SUM(A1)\""),
-            ("+1+cmd", "\"'+1+cmd\""),
-            ("-2", "-2"),
-            ("+-0", "\"+-0\""),
-        ] {
-            assert_eq!(quoted_cell(text), cell);
-        }
-    }
+    significant(value, 6)
 }

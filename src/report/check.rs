@@ -126,7 +126,7 @@ impl<'a> MotionReport<'a> {
             let error = trajectory.closure_error();
             let error = closure::error_sentence(mechanism, error, self.asked.closure);
             lines.push(("closure error", error));
-            lines.push(("smallest sigma", format!("{sigma:.4}")));
+            lines.push(("smallest sigma", sigma_text(sigma)));
             lines.push(("condition", format!("{condition:.1}")));
             lines.push(("branch", self.branches().join(" ")));
             lines.push(("certificate", self.poses.sentence(mechanism)));
@@ -221,7 +221,35 @@ pub fn without_pose(mechanism: &Mechanism, trajectory: &Trajectory, verdict: &Ve
     })
 }
 
+/// Singular values below this are shown in scientific notation instead of decimals.
+const SMALL_SIGMA: f64 = 1e-3;
+
+fn sigma_text(sigma: f64) -> String {
+    match sigma > 0.0 && sigma < SMALL_SIGMA {
+        true => format!("{sigma:.3e}"),
+        false => format!("{sigma:.4}"),
+    }
+}
+
 /// One line of the report with its head.
 fn case_line((head, text): &(&str, String)) -> String {
     format!("  {head:<16} {text}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_small_singular_value_is_not_zero() {
+        for (sigma, text) in [
+            (0.46944, "0.4694"),
+            (1e-3, "0.0010"),
+            (9.87654e-4, "9.877e-4"),
+            (3e-17, "3.000e-17"),
+            (0.0, "0.0000"),
+        ] {
+            assert_eq!(sigma_text(sigma), text);
+        }
+    }
 }

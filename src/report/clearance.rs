@@ -1,6 +1,7 @@
 //! The clearance report as cases of a verdict, in sentences and as CSV. All numbers are computed elsewhere.
 
-use super::cells::quoted_cell;
+use super::csv::{TableCell, push_header, push_row};
+use super::lengths::at_least_length;
 use super::pieces::piece_cases;
 use super::rounded::{at_least_three, at_most_three, not_above, not_below};
 use super::sentences::counted_things;
@@ -185,7 +186,7 @@ fn far_sentence(mechanism: &Mechanism, far: &FarPairs) -> String {
     format!(
         "{}: their swept volumes stay apart: never below {} {} ({sure})",
         judgement_word(&far.judgement()),
-        not_below(far.apart, 6),
+        at_least_length(far.apart, mechanism.size, 6),
         mechanism.length_unit
     )
 }
@@ -236,12 +237,6 @@ pub(super) fn left_out_shapes(mechanism: &Mechanism, p: &PairReport) -> Vec<[Str
     p.left_out.iter().map(name).collect()
 }
 
-/// Bounds below this are shown in three digits instead of six decimals.
-const SMALL: f64 = 1e-3;
-
-/// Distances below this share of the mechanism's size are contacts.
-pub(super) const CONTACT: f64 = 1e-6;
-
 /// Results about a pair between the samples.
 pub(super) fn bound_text(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) -> String {
     let (least, unit) = (&p.least, &mechanism.length_unit);
@@ -265,11 +260,7 @@ pub(super) fn bound_text(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) 
             } else {
                 ""
             };
-            let is_small = bound.abs() < SMALL && bound.abs() > CONTACT * mechanism.size;
-            let bound = match is_small {
-                true => at_least_three(bound),
-                false => not_below(bound, 6),
-            };
+            let bound = at_least_length(bound, mechanism.size, 6);
             format!("never below {bound} {unit}{when} ({sure})")
         }
         (None, None) if least.distance > 0.0 => NO_BOUND.to_owned(),
@@ -280,33 +271,19 @@ pub(super) fn bound_text(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) 
 
 /// CSV: time, then one column of distances per judged pair, then one with its lower bound, empty if unknown.
 pub fn to_csv(mechanism: &Mechanism, report: &ClearanceReport) -> String {
-    let mut text = String::from("time");
-    for p in &report.judged {
-        let [a, b] = body_names(mechanism, p);
-        text.push(',');
-        text.push_str(&quoted_cell(&format!("{a} / {b}")));
-    }
-    for p in &report.judged {
-        let [a, b] = body_names(mechanism, p);
-        text.push(',');
-        text.push_str(&quoted_cell(&format!("{a} / {b} never below")));
-    }
-    text.push('\n');
+    let names = report.judged.iter().map(|p| body_names(mechanism, p));
+    let names: Vec<String> = names.map(|names| names.join(" / ")).collect();
+    let bounds = names.iter().map(|name| format!("{name} never below"));
+    let mut heads = vec!["time".to_owned()];
+    heads.extend(names.iter().cloned().chain(bounds));
+    let mut text = String::new();
+    push_header(&mut text, &heads);
     for (row, time) in report.times.iter().enumerate() {
-        text.push_str(&time.to_string());
-        for p in &report.judged {
-            text.push(',');
-            if let Some(distance) = p.distances.get(row) {
-                text.push_str(&distance.to_string());
-            }
-        }
-        for p in &report.judged {
-            text.push(',');
-            if let Some(bound) = p.known_bound() {
-                text.push_str(&bound.to_string());
-            }
-        }
-        text.push('\n');
+        let pairs = report.judged.iter();
+        let distances = pairs.clone().map(|p| p.distances.get(row).copied());
+        let bounds = pairs.map(PairReport::known_bound);
+        let numbers = std::iter::once(Some(*time)).chain(distances).chain(bounds);
+        push_row(&mut text, numbers.map(TableCell::of));
     }
     text
 }

@@ -2,11 +2,11 @@
 //! reasons.
 
 use super::clearance::{
-    CONTACT, NO_BOUND, body_names, bound_text, judgement_reason, judgement_word,
-    violations_sentence,
+    NO_BOUND, body_names, bound_text, judgement_reason, judgement_word, violations_sentence,
 };
+use super::lengths::{LengthForm, at_least_length};
 use super::pieces::piece_table;
-use super::rounded::{at_least_three, not_below};
+use super::rounded::at_most;
 use super::sentences::counted_things;
 use crate::clearance::check::{ClearanceReport, FarPairs, Judgement, PairReport};
 use crate::clearance::neighbours::Neighbours;
@@ -35,8 +35,9 @@ pub fn clearance_table(mechanism: &Mechanism, found: &ClearanceReport, worst: us
             text.push_str(&format!("                  {times}\n"));
         }
         if let Some(slack) = slack_used(p) {
+            let slack = at_most(slack);
             text.push_str(&format!(
-                "                  below its minimum by no more than the slack for rounding, {slack:.1e} {unit}\n"
+                "                  below its minimum by no more than the slack for rounding, {slack} {unit}\n"
             ));
         }
         if p.farthest.is_some() {
@@ -54,7 +55,7 @@ pub fn clearance_table(mechanism: &Mechanism, found: &ClearanceReport, worst: us
         ));
     }
     if let Some(far) = &found.far {
-        text.push_str(&far_line(far));
+        text.push_str(&far_line(mechanism, far));
     }
     // What was excluded, reason by reason, and what was only counted.
     for group in by_reason(&found.excluded) {
@@ -101,7 +102,8 @@ fn excluded_row(mechanism: &Mechanism, group: &[&PairReport]) -> String {
         // The smallest that was found: but of a rigid part nothing is proved of it.
         let is_rigid = p.judgement == Judgement::Neighbours(Neighbours::Rigid.words());
         let mark = if is_rigid { "" } else { "~" };
-        let distance = format!("{mark}{:.4}", p.least.distance);
+        let form = LengthForm::of(&[p.least.distance], mechanism.size, 4);
+        let distance = format!("{mark}{}", form.length(p.least.distance));
         format!(
             "    {distance:>10}{}  {:<10} {who}: {}\n",
             inside_word(p),
@@ -130,11 +132,9 @@ fn inside_word(p: &PairReport) -> &'static str {
 }
 
 /// The line of all pairs that were not examined one by one.
-fn far_line(far: &FarPairs) -> String {
-    let bound = match far.is_certified {
-        true => not_below(far.apart, 4),
-        false => format!("~{}", not_below(far.apart, 4)),
-    };
+fn far_line(mechanism: &Mechanism, far: &FarPairs) -> String {
+    let mark = if far.is_certified { "" } else { "~" };
+    let bound = format!("{mark}{}", at_least_length(far.apart, mechanism.size, 4));
     format!(
         "                {bound:>12}                          {:<10} {} pairs far apart\n",
         judgement_word(&far.judgement()),
@@ -142,34 +142,21 @@ fn far_line(far: &FarPairs) -> String {
     )
 }
 
-/// Distances below this are shown with four digits instead of decimals.
-const SMALL: f64 = 0.01;
-
 fn pair_row(mechanism: &Mechanism, p: &PairReport) -> String {
     let [a, b] = body_names(mechanism, p);
-    // Four decimals, unless all are too small for them.
-    let size = p.least.distance.abs().max(p.minimum.abs());
-    let is_small = size < SMALL && size > CONTACT * mechanism.size;
-    let plain = |value: f64| match is_small && value != 0.0 {
-        true => format!("{value:.3e}"),
-        false => format!("{value:.4}"),
-    };
-    let lower = |bound: f64| match is_small && bound != 0.0 {
-        true => at_least_three(bound),
-        false => not_below(bound, 4),
-    };
+    let form = LengthForm::of(&[p.least.distance, p.minimum], mechanism.size, 4);
     let bound = match (p.known_bound(), p.least.is_certified) {
         _ if p.farthest.is_some() => "-".to_owned(),
-        (Some(bound), true) => lower(bound),
-        (Some(bound), false) => format!("~{}", lower(bound)),
+        (Some(bound), true) => form.at_least(bound),
+        (Some(bound), false) => format!("~{}", form.at_least(bound)),
         (None, _) if p.least.distance > 0.0 => NO_BOUND.to_owned(),
         // A depth: it is only known that the bodies overlap, not how deeply.
         (None, _) => "-".to_owned(),
     };
     format!(
         "    {:>10}  {bound:>12}  {:>10}  {:>10.5}  {:<10} {a} / {b}{}\n",
-        plain(p.least.distance),
-        plain(p.minimum),
+        form.length(p.least.distance),
+        form.length(p.minimum),
         p.least.time,
         judgement_word(&p.judgement),
         inside_word(p),

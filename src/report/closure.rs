@@ -6,6 +6,7 @@ use crate::diag::decimals_of;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::solve::pose_check::{ClosureCheck, ClosureGap, LoopVerdict};
 use crate::model::mechanism::Mechanism;
+use crate::numbers::decimal::rounded_to;
 use serde_json::{Value, json};
 
 /// The question that every check begins with.
@@ -54,7 +55,7 @@ pub fn closure_case(mechanism: &Mechanism, trajectory: &Trajectory, allowed: f64
 pub fn error_sentence(mechanism: &Mechanism, worst: f64, allowed: f64) -> String {
     let (size, unit) = (mechanism.size, &mechanism.length_unit);
     // Without the digits that only a sum of decimals adds.
-    let shown: f64 = format!("{size:.12e}").parse().unwrap_or(size);
+    let shown = rounded_to(size, 13);
     let is_one = mechanism.loops.iter().all(|item| item.size == size);
     let measure = match is_one {
         _ if !mechanism.has_lengths() => "the terms of each equation".to_owned(),

@@ -1,7 +1,9 @@
 //! A linkage as a sequence of dyads: in words, as the table of its linear system (CSV, Markdown, LaTeX), and as a
 //! document.
 
-use super::cells::{aligned_rows, quoted_cell, six_digits};
+use super::cells::{aligned_rows, six_digits};
+use super::csv::{TableCell, push_row};
+use super::rounded::at_most;
 use super::sentences::counted_things;
 use crate::analysis::dyads::PlanarRow;
 use crate::intervals::Kaucher;
@@ -159,7 +161,7 @@ impl DyadReport<'_> {
             six_digits(determinant(&table.rows)),
             off.map_or_else(
                 || "singular to rounding: they do not determine the velocities".to_owned(),
-                |off| format!("solution off by {off:.0e} at most")
+                |off| format!("solution off by {} at most", at_most(off))
             ),
         )
     }
@@ -259,46 +261,44 @@ impl DyadReport<'_> {
     }
 
     /// The table with a header, its rows, and the right-hand side last.
-    fn table_cells(&self) -> Vec<Vec<String>> {
+    fn table_cells(&self) -> Vec<Vec<TableCell>> {
         let Some(table) = self.velocity_table() else {
             return Vec::new();
         };
         let given = self.row.chain.given();
-        let head = [String::new()]
-            .into_iter()
-            .chain(table.heads)
-            .chain([format!("v{}", self.row.names[given])]);
-        let mut all = vec![head.collect::<Vec<_>>()];
+        let side = format!("v{}", self.row.names[given]);
+        let heads = table.heads.into_iter().chain([side]);
+        let corner = std::iter::once(TableCell::Empty);
+        let mut all = vec![corner.chain(heads.map(TableCell::Text)).collect::<Vec<_>>()];
         for (row, (entries, side)) in table.rows.iter().zip(&table.sides).enumerate() {
             let dyad = &self.row.chain.dyads[row / 2];
             let axis = self.row.axes[row % 2];
             let name = format!("{} {axis}", self.dyad_name(dyad));
-            let numbers = entries.iter().chain([side]).map(|v| format!("{v:?}"));
-            all.push([name].into_iter().chain(numbers).collect());
+            let numbers = entries.iter().chain([side]).copied();
+            let name = std::iter::once(TableCell::Text(name));
+            all.push(name.chain(numbers.map(TableCell::Number)).collect());
         }
         all
     }
 
     /// The table as CSV, all digits.
     pub fn csv(&self) -> String {
-        let rows = self.table_cells();
-        let lines = rows.iter().map(|row| {
-            let cells: Vec<String> = row.iter().map(|c| quoted_cell(c)).collect();
-            cells.join(",") + "\n"
-        });
-        lines.collect()
+        let mut text = String::new();
+        let rows = self.table_cells().into_iter();
+        rows.for_each(|row| push_row(&mut text, row));
+        text
     }
 
     /// The table in six digits, zeros left out.
     fn short_cells(&self) -> Vec<Vec<String>> {
-        let short = |cell: &String| match cell.parse::<f64>() {
-            Ok(0.0) => String::new(),
-            Ok(value) => six_digits(value),
-            Err(_) => cell.clone(),
+        let short = |cell: TableCell| match cell {
+            TableCell::Number(value) if value != 0.0 => six_digits(value),
+            TableCell::Whole(value) => value.to_string(),
+            TableCell::Text(text) => text,
+            TableCell::Number(_) | TableCell::Empty => String::new(),
         };
-        let rows = self.table_cells();
-        rows.iter()
-            .map(|row| row.iter().map(short).collect())
+        let rows = self.table_cells().into_iter();
+        rows.map(|row| row.into_iter().map(short).collect())
             .collect()
     }
 

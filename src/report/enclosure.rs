@@ -1,7 +1,8 @@
 //! Bands of a motion in words, CSV and JSON. Ends of bands are rounded outwards, so that the printed values are bounds
 //! as well.
 
-use super::cells::{aligned_rows, quoted_cell, six_digits};
+use super::cells::{aligned_rows, six_digits};
+use super::csv::{TableCell, push_header, push_row};
 use super::rounded::{at_least_six, at_most_six};
 use super::sentences::counted_things;
 use crate::analysis::enclosure::{
@@ -18,28 +19,23 @@ use serde_json::{Map, Value, json};
 /// What has no bound.
 const UNBOUNDED: &str = "unbounded";
 
-/// The lower (-1) or upper (+1) end of a band as a decimal in the scene's unit, rounded outwards.
-pub fn rounded_end(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> String {
+/// The lower (-1) or upper (+1) end of a band in the scene's unit, rounded outwards, so that its shortest decimal is a bound too.
+pub fn rounded_end(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> f64 {
     let unit = Interval::from_constant(mechanism.unit_of(kind));
     let exact = Interval::point(value) / unit;
     // The shortest decimal is nearer to its f64 than the next one.
     match side < 0.0 {
-        true => shortest_decimal(exact.lo.next_down()),
-        false => shortest_decimal(exact.hi.next_up()),
+        true => exact.lo.next_down(),
+        false => exact.hi.next_up(),
     }
 }
 
 /// The same with six digits, for tables.
 pub fn outer_end(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> String {
-    if !value.is_finite() {
-        return UNBOUNDED.to_owned();
-    }
-    let exact: f64 = rounded_end(value, kind, mechanism, side)
-        .parse()
-        .unwrap_or(value);
-    match side < 0.0 {
-        true => at_least_six(exact),
-        false => at_most_six(exact),
+    match bounded_end(value, kind, mechanism, side) {
+        None => UNBOUNDED.to_owned(),
+        Some(end) if side < 0.0 => at_least_six(end),
+        Some(end) => at_most_six(end),
     }
 }
 
@@ -97,19 +93,11 @@ pub const fn reason_words(reason: Reason) -> &'static str {
 /// The bands as CSV.
 pub fn enclosure_csv(plan: &TolerancePlan, motion: &[Enclosed], searched: bool) -> String {
     let mechanism = plan.family.mechanism();
-    let mut text = enclosure_header(plan, searched)
-        .iter()
-        .map(|n| quoted_cell(n))
-        .collect::<Vec<_>>()
-        .join(",");
-    text.push('\n');
+    let mut text = String::new();
+    push_header(&mut text, &enclosure_header(plan, searched));
     for enclosed in motion {
-        let cells: Vec<String> = enclosure_cells(mechanism, plan, enclosed, searched)
-            .into_iter()
-            .map(|cell| quoted_cell(&cell))
-            .collect();
-        text += &cells.join(",");
-        text.push('\n');
+        let cells = enclosure_cells(mechanism, plan, enclosed, searched);
+        push_row(&mut text, cells);
     }
     text
 }
@@ -135,48 +123,39 @@ fn enclosure_cells(
     plan: &TolerancePlan,
     enclosed: &Enclosed,
     searched: bool,
-) -> Vec<String> {
+) -> Vec<TableCell> {
     let inputs = mechanism.inputs.iter().zip(&enclosed.inputs);
-    let mut cells = vec![shortest_decimal(enclosed.time)];
+    let number = |value, kind| TableCell::Number(in_unit(value, mechanism.unit_of(kind)));
+    let end = |value, kind, side| TableCell::of(bounded_end(value, kind, mechanism, side));
+    let mut cells = vec![TableCell::Number(enclosed.time)];
     cells.extend(
         inputs
             .take(plan.family.own_inputs())
-            .map(|(input, v)| cell_number(*v, input.kind, mechanism)),
+            .map(|(input, v)| number(*v, input.kind)),
     );
     let names = shown_names(mechanism);
     let each = if searched { 5 } else { 3 };
     match &enclosed.bands {
-        Err(_) => cells.resize(cells.len() + each * names.len(), String::new()),
+        Err(_) => cells.resize(cells.len() + each * names.len(), TableCell::Empty),
         Ok(bands) => {
             for (band, (_, kind)) in bands.list.iter().zip(&names) {
-                cells.push(cell_number(band.nominal, *kind, mechanism));
-                cells.push(bounded_number(band.lo, *kind, mechanism, -1.0));
-                cells.push(bounded_number(band.hi, *kind, mechanism, 1.0));
+                cells.push(number(band.nominal, *kind));
+                cells.push(end(band.lo, *kind, -1.0));
+                cells.push(end(band.hi, *kind, 1.0));
                 if searched {
-                    cells.extend(band.found.map(|v| cell_number(v, *kind, mechanism)));
+                    cells.extend(band.found.map(|v| number(v, *kind)));
                 }
             }
         }
     }
-    cells.push(enclosure_word(enclosed).to_owned());
+    cells.push(TableCell::text(enclosure_word(enclosed)));
     cells
 }
 
-fn cell_number(value: f64, kind: Kind, mechanism: &Mechanism) -> String {
-    if value.is_finite() {
-        shortest_decimal(in_unit(value, mechanism.unit_of(kind)))
-    } else {
-        String::new()
-    }
-}
-
-/// An end; empty if unknown.
-pub(super) fn bounded_number(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> String {
-    if value.is_finite() {
-        rounded_end(value, kind, mechanism, side)
-    } else {
-        String::new()
-    }
+/// An end, if there is one.
+pub(super) fn bounded_end(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> Option<f64> {
+    let is_bounded = value.is_finite();
+    is_bounded.then(|| rounded_end(value, kind, mechanism, side))
 }
 
 /// The bands as one JSON document.
@@ -188,14 +167,15 @@ pub fn enclosure_document(
 ) -> Value {
     let mechanism = plan.family.mechanism();
     let names = enclosure_header(plan, searched);
-    let value = |cell: String| match cell.parse::<f64>() {
-        Ok(v) => json!(v),
-        Err(_) if cell.is_empty() => Value::Null,
-        Err(_) => Value::String(cell),
-    };
     let rows = motion.iter().map(|enclosed| {
         let cells = enclosure_cells(mechanism, plan, enclosed, searched).into_iter();
-        Value::Object(names.iter().cloned().zip(cells.map(value)).collect())
+        Value::Object(
+            names
+                .iter()
+                .cloned()
+                .zip(cells.map(TableCell::json))
+                .collect(),
+        )
     });
     let dimensions: Map<String, Value> = plan
         .dimensions
@@ -219,8 +199,7 @@ pub fn enclosure_document(
         let list = plan.family.measures.list.iter().zip(bands);
         let list: Map<String, Value> = list
             .map(|(measure, band)| {
-                let side =
-                    |v: f64, side: f64| value(bounded_number(v, measure.kind, mechanism, side));
+                let side = |v: f64, side: f64| bounded_end(v, measure.kind, mechanism, side);
                 let ends = json!({
                     "lo": side(band.lo, -1.0),
                     "hi": side(band.hi, 1.0),
@@ -260,7 +239,7 @@ pub fn enclosure_summary(plan: &TolerancePlan, motion: &[Enclosed], searched: bo
     }
     rows[0].push("widest at [s]".to_owned());
     for (index, (name, kind)) in shown_names(mechanism).into_iter().enumerate() {
-        let Some(all) = over_motion(motion, index) else {
+        let Some(all) = over_motion(motion, index, mechanism.natural_size(kind)) else {
             continue;
         };
         let unit = mechanism.file_units(kind);
@@ -299,12 +278,13 @@ fn outer_text(value: f64) -> String {
     }
 }
 
-fn over_motion(motion: &[Enclosed], index: usize) -> Option<BandSummary> {
+/// The band of quantity `index`, of which `size` is neither large nor small.
+fn over_motion(motion: &[Enclosed], index: usize, size: f64) -> Option<BandSummary> {
     let mut all: Option<BandSummary> = None;
     for enclosed in motion {
         let Ok(bands) = &enclosed.bands else { continue };
         let band = bands.list.get(index)?;
-        let one = of_band(band, enclosed.time);
+        let one = of_band(band, enclosed.time, size);
         all = Some(match all {
             None => one,
             Some(before) => BandSummary {
@@ -322,7 +302,7 @@ fn over_motion(motion: &[Enclosed], index: usize) -> Option<BandSummary> {
     all
 }
 
-fn of_band(band: &ValueBand, time: f64) -> BandSummary {
+fn of_band(band: &ValueBand, time: f64, size: f64) -> BandSummary {
     if !band.nominal.is_finite() {
         return BandSummary {
             below: f64::INFINITY,
@@ -334,7 +314,7 @@ fn of_band(band: &ValueBand, time: f64) -> BandSummary {
     }
     let width = band.found[1] - band.found[0];
     // A quantity that does not move is bounded by rounding alone.
-    let still = 1e-9 * band.nominal.abs().max(1.0);
+    let still = 1e-9 * band.nominal.abs().max(size);
     let ratio = if width > still {
         (band.hi - band.lo) / width
     } else {
@@ -360,14 +340,9 @@ pub fn measure_lines(plan: &TolerancePlan, bands: &[MeasureBand]) -> String {
     ]];
     for (measure, band) in plan.family.measures.list.iter().zip(bands) {
         let unit = mechanism.file_units(measure.kind);
-        let lo = bounded_number(band.lo, measure.kind, mechanism, -1.0);
-        let hi = bounded_number(band.hi, measure.kind, mechanism, 1.0);
-        let shown = |text: String| {
-            if text.is_empty() {
-                "not bounded".to_owned()
-            } else {
-                text
-            }
+        let shown = |end: f64, side: f64| {
+            let end = bounded_end(end, measure.kind, mechanism, side);
+            end.map_or_else(|| "not bounded".to_owned(), shortest_decimal)
         };
         let limits = [
             measure
@@ -390,7 +365,8 @@ pub fn measure_lines(plan: &TolerancePlan, bands: &[MeasureBand]) -> String {
             }
             (false, false) => format!("{}: not proved", limits.join(", ")),
         };
-        rows.push(vec![measure.name.clone(), shown(lo), shown(hi), verdict]);
+        let ends = [shown(band.lo, -1.0), shown(band.hi, 1.0)];
+        rows.push([&[measure.name.clone()], &ends[..], &[verdict]].concat());
     }
     aligned_rows(&rows)
 }
@@ -439,5 +415,25 @@ fn reached_text(reached: f64, limit: f64) -> String {
     match shown.parse::<f64>() {
         Ok(reads) if reads > limit => six_digits(limit),
         _ => shown,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A band in any unit of length has the ratio of its width to the one found.
+    #[test]
+    fn what_moves_does_not_depend_on_the_unit_of_length() {
+        for size in [1e-9, 1.0, 1e6] {
+            let band = ValueBand {
+                nominal: 0.0,
+                lo: -2e-3 * size,
+                hi: 2e-3 * size,
+                found: [-1e-3 * size, 1e-3 * size],
+            };
+            let ratio = of_band(&band, 0.0, size).ratio;
+            assert!((ratio - 2.0).abs() < 1e-12, "{size:e}: {ratio}");
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Results proved between the samples, in words and as objects of a document.
 
 use super::cells::aligned_rows;
-use super::enclosure::{bounded_number, outer_end};
+use super::enclosure::{bounded_end, outer_end};
 use crate::analysis::enclosure::{SpanBands, TolerancePlan, shown_names};
 use crate::model::printed::shortest_decimal;
 use serde_json::{Map, Value, json};
@@ -63,9 +63,7 @@ pub fn between_objects(plan: &TolerancePlan, list: &[SpanBands]) -> Value {
         let bands = stretch.bands.iter().flatten();
         for ((name, kind), [lo, hi]) in names.iter().zip(bands) {
             for (value, side, word) in [(lo, -1.0, "lo"), (hi, 1.0, "hi")] {
-                let shown = bounded_number(*value, *kind, mechanism, side)
-                    .parse::<f64>()
-                    .ok();
+                let shown = bounded_end(*value, *kind, mechanism, side);
                 row.insert(format!("{name}.{word}"), json!(shown));
             }
         }

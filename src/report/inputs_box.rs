@@ -1,6 +1,6 @@
 //! Clearances over a box of inputs: cases of a verdict and lines for people.
 
-use super::rounded::not_below;
+use super::lengths::at_least_length;
 use super::sentences::beside_unit;
 use super::verdict::{CLEARANCE, Case, Status};
 use crate::clearance::inputs_box::{BoxPair, BoxReport, InputRange};
@@ -100,7 +100,10 @@ fn junit_case(mechanism: &Mechanism, sides: [InputRange; 2], pair: &BoxPair) -> 
         pair.minimum
     );
     let bound = match pair.bound.is_finite() {
-        true => format!("never below {} {unit} (proved)", not_below(pair.bound, 6)),
+        true => {
+            let bound = at_least_length(pair.bound, mechanism.size, 6);
+            format!("never below {bound} {unit} (proved)")
+        }
         false => "nothing proved".to_owned(),
     };
     let (status, text) = if pair.is_broken {

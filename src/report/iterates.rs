@@ -1,7 +1,6 @@
 //! Newton's iterates as a table: CSV without the polygons, or JSON with them.
 
-use super::cells::quoted_cell;
-use super::table::csv_number;
+use super::csv::{TableCell, push_header, push_row};
 use crate::export::error::ExportError;
 use crate::export::target::Output;
 use crate::kinematics::solve::iterates::Iterate;
@@ -53,17 +52,11 @@ pub fn write_csv(
     iterates: &[Iterate],
     output: &mut dyn Output,
 ) -> Result<(), ExportError> {
-    let names: Vec<String> = iterate_header(mechanism)
-        .iter()
-        .map(|name| quoted_cell(name))
-        .collect();
-    let mut text = names.join(",") + "\n";
+    let mut text = String::new();
+    push_header(&mut text, &iterate_header(mechanism));
     for iterate in iterates {
-        let row: Vec<String> = iterate_cells(mechanism, iterate)
-            .into_iter()
-            .map(csv_number)
-            .collect();
-        text.push_str(&(row.join(",") + "\n"));
+        let numbers = iterate_cells(mechanism, iterate).into_iter();
+        push_row(&mut text, numbers.map(TableCell::Number));
     }
     output.emit(text.as_bytes())
 }

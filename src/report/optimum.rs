@@ -1,6 +1,7 @@
 //! An optimum of a study in words and as a JSON document.
 
 use super::cells::{aligned_rows, six_digits};
+use super::rounded::at_most_three;
 use super::sentences::certified_error;
 use crate::analysis::optimise::StopReason;
 use crate::analysis::study::kept_clearances::{Clearances, NearestPair};
@@ -148,12 +149,12 @@ impl OptimumReport<'_> {
             _ if !limit.is_proved => "it is not proved that its limits are kept there".to_owned(),
             missed if missed <= 0.0 => "its limits are kept (proved)".to_owned(),
             missed => {
-                let share = 100.0 * missed;
+                let share = at_most_three(100.0 * missed);
                 let how = match limit.is_kept() {
                     true => "kept to within the rounding of the search",
                     false => "missed between those poses",
                 };
-                format!("its limits are {how}, by at most {share:.2e} %")
+                format!("its limits are {how}, by at most {share} %")
             }
         };
         format!(

@@ -2,7 +2,7 @@
 //! computed elsewhere.
 
 use super::enclosure::reason_words;
-use super::rounded::not_below;
+use super::lengths::{LengthForm, at_least_length};
 use super::verdict::{CLEARANCE, Case, Status};
 use crate::clearance::part::{Missing, PieceClearance, PieceRefusal, PieceReport};
 use crate::diag::decimals_of;
@@ -52,7 +52,7 @@ fn piece_sentence(mechanism: &Mechanism, pair: &PieceClearance) -> String {
         Some(refusal) => refusal_words(refusal),
         None => format!(
             "no piece comes nearer than {} {unit} (proved)",
-            not_below(pair.bound, 6)
+            at_least_length(pair.bound, mechanism.size, 6)
         ),
     };
     format!(
@@ -105,16 +105,16 @@ pub fn piece_table(mechanism: &Mechanism, report: &PieceReport, worst: usize) ->
         order.then((p.bound - p.minimum).total_cmp(&(q.bound - q.minimum)))
     });
     for pair in list.iter().take(worst) {
-        // A bound is rounded down, and there is none where a proof was refused.
+        let lengths = [pair.nominal, pair.found, pair.minimum];
+        let form = LengthForm::of(&lengths, mechanism.size, 4);
+        let [nominal, found, minimum] = lengths.map(|length| form.length(length));
+        // There is no bound where a proof was refused.
         let bound = match pair.refusal {
             Some(_) => "-".to_owned(),
-            None => not_below(pair.bound, 4),
+            None => form.at_least(pair.bound),
         };
         text.push_str(&format!(
-            "    {:>10.4}{:>10.4}  {bound:>12}  {:>10.4}  {:>10.5}  {:<10} {}\n",
-            pair.nominal,
-            pair.found,
-            pair.minimum,
+            "    {nominal:>10}{found:>10}  {bound:>12}  {minimum:>10}  {:>10.5}  {:<10} {}\n",
             pair.time,
             piece_word(pair),
             body_names(mechanism, pair),

@@ -1,5 +1,7 @@
 //! A work-precision study as a table for people, as CSV and as JSON.
 
+use super::csv::{TableCell, push_header, push_row};
+use super::rounded::at_most;
 use crate::analysis::routes::{RotationForm, Route};
 use crate::analysis::work_precision::{PrecisionRow, PrecisionStudy};
 use crate::model::mechanism::Mechanism;
@@ -21,27 +23,36 @@ const HEADER: [&str; 11] = [
 ];
 
 /// The setting of a row: predictor order, closure tolerance, residual form; empty if not applicable.
-fn row_setting(row: &PrecisionRow) -> [String; 3] {
+fn setting_cells(row: &PrecisionRow) -> [TableCell; 3] {
     match row.route {
         Some(Route::Position {
             predictor,
             tolerance,
             form,
         }) => [
-            predictor.to_string(),
-            format!("{tolerance:e}"),
-            match form {
+            TableCell::Whole(predictor as u64),
+            TableCell::Number(tolerance),
+            TableCell::text(match form {
                 RotationForm::Log => "log",
                 RotationForm::Skew => "skew",
-            }
-            .to_owned(),
+            }),
         ],
-        Some(Route::Ode { .. }) | None => [const { String::new() }; 3],
+        Some(Route::Ode { .. }) | None => [const { TableCell::Empty }; 3],
+    }
+}
+
+/// A setting in the table for people.
+fn setting_text(cell: TableCell) -> String {
+    match cell {
+        TableCell::Number(tolerance) => format!("{tolerance:e}"),
+        TableCell::Whole(order) => order.to_string(),
+        TableCell::Text(word) => word,
+        TableCell::Empty => String::new(),
     }
 }
 
 fn row_cells(row: &PrecisionRow) -> [String; 11] {
-    let [predictor, tolerance, form] = row_setting(row);
+    let [predictor, tolerance, form] = setting_cells(row).map(setting_text);
     [
         row.family.to_owned(),
         predictor,
@@ -80,7 +91,8 @@ pub fn precision_text(mechanism: &Mechanism, study: &PrecisionStudy) -> String {
     ));
     text.push_str(&match study.reference_bound {
         Some(bound) => {
-            format!("The true poses are those of `mechanim solve`, proved to {bound:.1e} {unit}.\n")
+            let bound = at_most(bound);
+            format!("The true poses are those of `mechanim solve`, proved to {bound} {unit}.\n")
         }
         None => {
             "The true poses are those of `mechanim solve`; there is no proof for this mechanism.\n"
@@ -124,9 +136,9 @@ fn aligned_table<const N: usize>(rows: &[[String; N]]) -> String {
 
 /// The rows as CSV; drift is in the JSON and in the table.
 pub fn precision_csv(study: &PrecisionStudy) -> String {
-    let mut lines = vec![HEADER.join(",")];
+    let mut text = String::new();
+    push_header(&mut text, &HEADER);
     for row in &study.rows {
-        let [predictor, tolerance, form] = row_setting(row);
         let numbers = [
             row.time,
             row.iterations,
@@ -134,20 +146,14 @@ pub fn precision_csv(study: &PrecisionStudy) -> String {
             row.error,
             row.closure,
         ];
-        let numbers = numbers.map(|v| {
-            if v.is_finite() {
-                format!("{v:e}")
-            } else {
-                String::new()
-            }
-        });
-        let steps = row.steps.to_string();
-        let mut cells = vec![row.family.to_owned(), predictor, tolerance, form, steps];
-        cells.extend(numbers);
-        cells.push(row.lost.to_string());
-        lines.push(cells.join(","));
+        let mut cells = vec![TableCell::text(row.family)];
+        cells.extend(setting_cells(row));
+        cells.push(TableCell::Whole(row.steps as u64));
+        cells.extend(numbers.map(TableCell::Number));
+        cells.push(TableCell::Whole(row.lost as u64));
+        push_row(&mut text, cells);
     }
-    lines.join("\n") + "\n"
+    text
 }
 
 /// The study as one JSON object.
@@ -160,8 +166,8 @@ pub fn precision_json(mechanism: &Mechanism, study: &PrecisionStudy) -> Value {
             json!({
                 "route": d.name,
                 "turns": d.turns,
-                "error": finite_number(d.error),
-                "closure_error": finite_number(d.closure),
+                "error": d.error,
+                "closure_error": d.closure,
             })
         })
         .collect();
@@ -180,38 +186,18 @@ pub fn precision_json(mechanism: &Mechanism, study: &PrecisionStudy) -> Value {
 }
 
 fn row_json(row: &PrecisionRow) -> Value {
-    let (predictor, tolerance, form) = match row.route {
-        Some(Route::Position {
-            predictor,
-            tolerance,
-            ..
-        }) => (
-            json!(predictor),
-            json!(tolerance),
-            json!(row_setting(row)[2]),
-        ),
-        Some(Route::Ode { .. }) | None => (Value::Null, Value::Null, Value::Null),
-    };
+    let [predictor, tolerance, form] = setting_cells(row).map(TableCell::json);
     json!({
         "route": row.family,
         "predictor": predictor,
         "tolerance": tolerance,
         "residual": form,
         "steps": row.steps,
-        "us_per_pose": finite_number(row.time),
-        "newton_per_pose": finite_number(row.iterations),
-        "end_error": finite_number(row.end_error),
-        "error": finite_number(row.error),
-        "closure_error": finite_number(row.closure),
+        "us_per_pose": row.time,
+        "newton_per_pose": row.iterations,
+        "end_error": row.end_error,
+        "error": row.error,
+        "closure_error": row.closure,
         "lost": row.lost,
     })
-}
-
-/// A number that JSON cannot represent is omitted: the route found no pose.
-fn finite_number(value: f64) -> Value {
-    if value.is_finite() {
-        json!(value)
-    } else {
-        Value::Null
-    }
 }

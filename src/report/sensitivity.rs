@@ -1,6 +1,7 @@
 //! Derivatives of a study's measures by its variables as a table for people, as CSV and as JSON.
 
-use super::cells::{aligned_rows, quoted_cell, six_digits};
+use super::cells::{aligned_rows, six_digits};
+use super::csv::{TableCell, push_header, push_row};
 use crate::analysis::study::{NominalStudy, ParametricMechanism};
 use serde_json::{Map, Value, json};
 
@@ -68,20 +69,27 @@ impl<'a> SensitivityTable<'a> {
         heads
     }
 
-    fn row(&self, variable: usize, shown: &dyn Fn(f64) -> String) -> Vec<String> {
-        let study = &self.family.study;
-        let v = &study.variables[variable];
-        let mut row = vec![v.name.clone(), shown(v.start * self.family.units(v.kind))];
-        row.extend((0..self.family.measures.list.len()).map(|m| shown(self.slope(m, variable))));
-        row.extend(self.proposed_tolerance(variable).map(shown));
-        row
+    fn name(&self, variable: usize) -> &str {
+        &self.family.study.variables[variable].name
+    }
+
+    /// The numbers of a row: value, derivatives, tolerance.
+    fn numbers(&self, variable: usize) -> impl Iterator<Item = f64> + '_ {
+        let v = &self.family.study.variables[variable];
+        let measures = 0..self.family.measures.list.len();
+        std::iter::once(v.start * self.family.units(v.kind))
+            .chain(measures.map(move |m| self.slope(m, variable)))
+            .chain(self.proposed_tolerance(variable))
     }
 
     /// For people; `rank` is the measure that determines the order.
     pub fn text(&self, rank: usize) -> String {
         let list = &self.family.measures.list;
         let mut rows = vec![self.heads()];
-        rows.extend(self.order.iter().map(|v| self.row(*v, &six_digits)));
+        rows.extend(self.order.iter().map(|&v| {
+            let name = std::iter::once(self.name(v).to_owned());
+            name.chain(self.numbers(v).map(six_digits)).collect()
+        }));
         let measures: Vec<String> = list
             .iter()
             .zip(&self.nominal.gradients.measures)
@@ -120,13 +128,12 @@ impl<'a> SensitivityTable<'a> {
 
     /// One row a variable.
     pub fn csv(&self) -> String {
-        let heads: Vec<String> = self.heads().iter().map(|head| quoted_cell(head)).collect();
-        let mut text = heads.join(",") + "\n";
-        for variable in &self.order {
-            let row = self.row(*variable, &|v| format!("{v:?}"));
-            let cells: Vec<String> = row.iter().map(|cell| quoted_cell(cell)).collect();
-            text.push_str(&cells.join(","));
-            text.push('\n');
+        let mut text = String::new();
+        push_header(&mut text, &self.heads());
+        for &variable in &self.order {
+            let name = std::iter::once(TableCell::text(self.name(variable)));
+            let numbers = self.numbers(variable).map(TableCell::Number);
+            push_row(&mut text, name.chain(numbers));
         }
         text
     }

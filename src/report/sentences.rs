@@ -164,7 +164,10 @@ pub fn event_sentence(mechanism: &Mechanism, event: &Event) -> String {
             let how = if *distance <= LOCKED {
                 format!("gimbal-locked coordinates {a}, {b}, {c}")
             } else {
-                format!("coordinates {a}, {b}, {c} within {distance:.1e} of gimbal lock")
+                format!(
+                    "coordinates {a}, {b}, {c} within {} of gimbal lock",
+                    at_most(*distance)
+                )
             };
             format!(
                 "{how} at {at}: only the sum or difference of {a} and {c} is determined there; positions are exact"

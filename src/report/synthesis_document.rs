@@ -1,6 +1,6 @@
 //! Synthesised mechanisms for programs: rows of a table, and a JSON document.
 
-use super::cells::quoted_cell;
+use super::csv::{TableCell, push_header, push_row};
 use super::requirement::{Requirement, simplest_document};
 use super::synthesis::FoundMechanism;
 use crate::analysis::synthesis::ending_word;
@@ -9,28 +9,29 @@ use serde_json::{Map, Value, json};
 /// Version of the JSON document.
 const SCHEMA: u32 = 2;
 
+/// Columns of the CSV file.
+const HEADER: [&str; 6] = ["scene", "kind", "name", "printed", "scene_value", "found"];
+
 /// The ladder as CSV: scene, kind, name, printed, own and found value.
 pub fn found_rows(found: &[FoundMechanism]) -> String {
-    let mut text = "scene,kind,name,printed,scene_value,found\n".to_owned();
-    let number = |v: Option<f64>| v.map_or(String::new(), |v| format!("{v:?}"));
+    let mut text = String::new();
+    push_header(&mut text, &HEADER);
     for one in found {
+        let mut push = |kind: &str, name: &str, values: [Option<f64>; 3]| {
+            let words = [one.name.as_str(), kind, name].map(TableCell::text);
+            push_row(
+                &mut text,
+                words.into_iter().chain(values.map(TableCell::of)),
+            );
+        };
         for (index, measure) in one.family.measures.list.iter().enumerate() {
-            let [printed, own, value] = one.values(index, measure).map(number);
-            text.push_str(&format!(
-                "{},measure,{},{printed},{own},{value}\n",
-                quoted_cell(&one.name),
-                quoted_cell(&measure.name)
-            ));
+            push("measure", &measure.name, one.values(index, measure));
         }
         let study = &one.family.study;
         for (variable, x) in study.variables.iter().zip(&one.synthesis.best) {
             let unit = one.family.units(variable.kind);
-            let (own, value) = (variable.start * unit, x * unit);
-            text.push_str(&format!(
-                "{},variable,{},,{own:?},{value:?}\n",
-                quoted_cell(&one.name),
-                quoted_cell(&variable.name)
-            ));
+            let values = [None, Some(variable.start * unit), Some(x * unit)];
+            push("variable", &variable.name, values);
         }
     }
     text

@@ -1,6 +1,6 @@
 //! Trajectories as tables: CSV with a header row, or one JSON object, with all digits.
 
-use super::cells::quoted_cell;
+use super::csv::{TableCell, push_header, push_row};
 use super::events::{event_list, gap_list};
 use crate::export::error::ExportError;
 use crate::export::target::Output;
@@ -10,7 +10,6 @@ use crate::kinematics::results::certificate::{CONSISTENT, Certificate, Reason};
 use crate::kinematics::results::printed::printed_certificate;
 use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::model::mechanism::{Kind, Mechanism};
-use crate::model::printed::push_shortest_decimal;
 use crate::numbers::rounding::GROW;
 use serde_json::{Map, Value, json};
 
@@ -29,14 +28,6 @@ pub struct TableColumns {
     pub bounds: bool,
 }
 
-/// A cell of the table.
-enum TableCell {
-    Number(f64),
-    Whole(u64),
-    Text(String),
-    Empty,
-}
-
 /// Writes CSV. Angles are in the scene's unit; a sample without a pose has empty cells and the status `no-pose`.
 pub fn write_csv(
     mechanism: &Mechanism,
@@ -44,25 +35,15 @@ pub fn write_csv(
     columns: TableColumns,
     output: &mut dyn Output,
 ) -> Result<(), ExportError> {
-    let mut line = table_header(mechanism, columns)
-        .iter()
-        .map(|name| quoted_cell(name))
-        .collect::<Vec<_>>()
-        .join(",");
+    let mut line = String::new();
+    push_header(&mut line, &table_header(mechanism, columns));
     for (index, sample) in trajectory.samples.iter().enumerate() {
-        line.push('\n');
         output.emit(line.as_bytes())?;
         line.clear();
         let cells = sample_cells(mechanism, sample, columns).into_iter();
         let cells = cells.chain(motion_cells(trajectory, index, columns));
-        for (place, cell) in cells.enumerate() {
-            if place > 0 {
-                line.push(',');
-            }
-            push_csv_cell(&mut line, &cell);
-        }
+        push_row(&mut line, cells);
     }
-    line.push('\n');
     output.emit(line.as_bytes())
 }
 
@@ -96,7 +77,11 @@ pub fn write_json(
     for (index, sample) in trajectory.samples.iter().enumerate() {
         let cells = sample_cells(mechanism, sample, columns).into_iter();
         let values = cells.chain(motion_cells(trajectory, index, columns));
-        let row: Map<_, _> = names.iter().cloned().zip(values.map(json_cell)).collect();
+        let row: Map<_, _> = names
+            .iter()
+            .cloned()
+            .zip(values.map(TableCell::json))
+            .collect();
         let comma = if index == 0 { "" } else { "," };
         line += &format!("{comma}\n{:#}", Value::Object(row)).replace('\n', "\n    ");
         output.emit(line.as_bytes())?;
@@ -262,16 +247,16 @@ fn sample_cells(mechanism: &Mechanism, sample: &Sample, columns: TableColumns) -
             .into_iter()
             .zip(kinds);
         cells.extend(bounds.map(|(bound, kind)| {
-            number_or_empty(bound.map(|b| b * mechanism.file_units(kind) * GROW))
+            TableCell::of(bound.map(|b| b * mechanism.file_units(kind) * GROW))
         }));
     }
     cells.extend([pose.closure_error, pose.sigma_min, pose.condition].map(TableCell::Number));
     cells.push(TableCell::Whole(pose.rank as u64));
     cells.push(TableCell::Text(pose.branch.clone()));
     let bounds = printed_certificate(mechanism, pose).bounds();
-    cells.extend([0, 1].map(|k| number_or_empty(bounds.map(|b| b[k]))));
+    cells.extend([0, 1].map(|k| TableCell::of(bounds.map(|b| b[k]))));
     if columns.redundant {
-        cells.push(number_or_empty(pose.certificate.closes_to()));
+        cells.push(TableCell::of(pose.certificate.closes_to()));
     }
     cells.push(TableCell::Whole(u64::from(pose.iterations)));
     cells.push(TableCell::Text(
@@ -291,10 +276,6 @@ fn certificate_word(certificate: &Certificate) -> &'static str {
     }
 }
 
-fn number_or_empty(value: Option<f64>) -> TableCell {
-    value.map_or(TableCell::Empty, TableCell::Number)
-}
-
 /// The certificate of the motion from sample `index` to the next one; empty after the last.
 fn motion_cells(trajectory: &Trajectory, index: usize, columns: TableColumns) -> Vec<TableCell> {
     if !columns.motion {
@@ -304,51 +285,12 @@ fn motion_cells(trajectory: &Trajectory, index: usize, columns: TableColumns) ->
         let count = 4 + usize::from(columns.redundant);
         return (0..count).map(|_| TableCell::Empty).collect();
     };
-    let bound = |value| number_or_empty((interval.tubes > 0).then_some(value));
+    let bound = |value| TableCell::of((interval.tubes > 0).then_some(value));
     let mut cells = vec![TableCell::Whole(interval.tubes as u64)];
     cells.extend([interval.radius, interval.unique_radius].map(bound));
     if columns.redundant {
-        cells.push(number_or_empty(interval.closes_to));
+        cells.push(TableCell::of(interval.closes_to));
     }
     cells.push(TableCell::Text(interval.word().to_owned()));
     cells
-}
-
-/// A number; nothing for a value that does not exist (infinities, NaN).
-pub(super) fn csv_number(value: f64) -> String {
-    let mut text = String::new();
-    push_csv_cell(&mut text, &TableCell::Number(value));
-    text
-}
-
-fn push_csv_cell(line: &mut String, cell: &TableCell) {
-    match cell {
-        TableCell::Number(value) if value.is_finite() => push_shortest_decimal(line, *value),
-        TableCell::Whole(value) => line.push_str(&value.to_string()),
-        TableCell::Text(text) => line.push_str(&quoted_cell(text)),
-        TableCell::Number(_) | TableCell::Empty => {}
-    }
-}
-
-/// An undefined value is null, as it is an empty cell in CSV.
-fn json_cell(cell: TableCell) -> Value {
-    match cell {
-        TableCell::Number(value) => json!(value),
-        TableCell::Whole(value) => json!(value),
-        TableCell::Text(text) => json!(text),
-        TableCell::Empty => Value::Null,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn values_that_do_not_exist_are_empty_cells_and_null() {
-        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            assert_eq!(csv_number(value), "");
-            assert_eq!(json_cell(TableCell::Number(value)), Value::Null);
-        }
-    }
 }

@@ -1,7 +1,8 @@
 //! The effect of tolerances on the measures of a study: in words, as CSV and as a JSON document.
 
-use super::cells::{aligned_rows, quoted_cell, six_digits};
-use super::enclosure::{outer_end, rounded_end};
+use super::cells::{aligned_rows, six_digits};
+use super::csv::{TableCell, push_header, push_row};
+use super::enclosure::{bounded_end, outer_end};
 use crate::analysis::study::ParametricMechanism;
 use crate::analysis::tolerance::{PieceSummary, Pieces};
 use crate::analysis::tolerance_study::ToleranceStudy;
@@ -172,8 +173,8 @@ impl ToleranceReport<'_> {
     pub fn proved_ends(&self, index: usize, kind: Kind) -> Option<[f64; 2]> {
         let mechanism = self.family().mechanism();
         let [lo, hi] = self.study.band(index);
-        let end = |v: f64, side: f64| rounded_end(v, kind, mechanism, side).parse::<f64>().ok();
-        (lo.is_finite() && hi.is_finite()).then_some([end(lo, -1.0)?, end(hi, 1.0)?])
+        let end = |v: f64, side: f64| bounded_end(v, kind, mechanism, side);
+        Some([end(lo, -1.0)?, end(hi, 1.0)?])
     }
 
     /// For machines.
@@ -236,18 +237,18 @@ impl ToleranceReport<'_> {
     pub fn write_csv(&self, pieces: &Pieces, target: &mut dyn Write) -> std::io::Result<()> {
         let family = self.family();
         let measures = &family.measures.list;
-        let names: Vec<String> = measures.iter().map(|m| quoted_cell(&m.name)).collect();
-        writeln!(target, "piece,{}", names.join(","))?;
+        let mut heads = vec!["piece"];
+        heads.extend(measures.iter().map(|m| m.name.as_str()));
+        let mut line = String::new();
+        push_header(&mut line, &heads);
         for (item, piece) in pieces.values.chunks_exact(measures.len()).enumerate() {
-            write!(target, "{}", self.first + item as u64)?;
-            for (measure, value) in measures.iter().zip(piece) {
-                match value.is_nan() {
-                    true => write!(target, ",")?,
-                    false => write!(target, ",{:?}", family.shown(measure, *value))?,
-                }
-            }
-            writeln!(target)?;
+            target.write_all(line.as_bytes())?;
+            line.clear();
+            let values = measures.iter().zip(piece);
+            let values = values.map(|(m, v)| TableCell::Number(family.shown(m, *v)));
+            let number = TableCell::Whole(self.first + item as u64);
+            push_row(&mut line, std::iter::once(number).chain(values));
         }
-        Ok(())
+        target.write_all(line.as_bytes())
     }
 }

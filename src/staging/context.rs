@@ -5,6 +5,7 @@ use super::fitting;
 use super::round_steps::nearest_round_length;
 use super::value_text::VALUE_SIZE;
 use crate::model::theme::Theme;
+use crate::numbers::decimal::significant;
 use crate::render::{Camera, Frame, Ground, Label, LabelAnchor, OverlayStroke};
 use glam::DVec3;
 
@@ -25,9 +26,6 @@ const GAP: f64 = 0.014;
 /// An axis whose projection is shorter than this fraction of its length points towards or away from the viewer and is
 /// omitted.
 const SHORTEST: f64 = 0.12;
-
-/// Numbers outside this range are written with a power of ten.
-const PLAIN: [f64; 2] = [1e-4, 1e6];
 
 /// Which of them are drawn, and how.
 #[derive(Clone, Debug)]
@@ -136,13 +134,7 @@ impl ContextSigns {
     }
 
     fn length_text(&self, length: f64) -> String {
-        let digits = (-libm::log10(length).floor()).max(0.0) as usize;
-        let number = if (PLAIN[0]..PLAIN[1]).contains(&length) {
-            format!("{length:.digits$}")
-        } else {
-            format!("{length:.0e}")
-        };
-        let text = format!("{number} {}", self.unit);
+        let text = format!("{} {}", significant(length, 1), self.unit);
         text.trim_end().to_owned()
     }
 

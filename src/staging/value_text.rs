@@ -1,6 +1,7 @@
 //! Values of inputs as they stand in pictures.
 
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
+use crate::numbers::decimal::{MINUS, with_minus};
 
 /// Height of a line of values as a fraction of the picture's height.
 pub const VALUE_SIZE: f64 = 0.030;
@@ -32,11 +33,7 @@ pub fn amount_text(mechanism: &Mechanism, kind: Kind, value: f64, digits: Option
     // Half a unit of the last digit must not show as a negative zero.
     let last = 10f64.powi(digits as i32);
     let tidy = (in_file * last).round() / last + 0.0;
-    let text = format!("{tidy:.digits$}{unit}");
-    match text.strip_prefix('-') {
-        Some(amount) => format!("{MINUS}{amount}"),
-        None => text,
-    }
+    with_minus(&format!("{tidy:.digits$}")) + &unit
 }
 
 /// Digits behind the point that show a length to a thousandth of the mechanism's `size`, or to a few; at least one.
@@ -50,6 +47,3 @@ const DIGITS_OF_SIZE: f64 = 2.4;
 
 /// Most digits behind the point: more are not read.
 const MOST_DIGITS: f64 = 9.0;
-
-/// The sign, as wide as a plus.
-const MINUS: char = '−';

@@ -3,6 +3,7 @@
 use super::row::{Row, RowStatus};
 use super::swept_scene::Sweep;
 use crate::report::cells::{aligned_rows, six_digits};
+use crate::report::rounded::at_most_six;
 
 /// Maximum number of values with a line of their own.
 const MOST_LINES: usize = 12;
@@ -76,11 +77,11 @@ impl<'s> Summary<'s> {
         if self.counts[0] > 0 {
             let proved = match self.error_bound.is_nan() {
                 true => "no certificates".to_owned(),
-                false => format!("certified error at most {}", six_digits(self.error_bound)),
+                false => format!("certified error at most {}", at_most_six(self.error_bound)),
             };
             text.push_str(&format!(
                 "  of the ok rows: closure error at most {}, {proved}, {} poses not proved\n\n",
-                six_digits(self.closure_error),
+                at_most_six(self.closure_error),
                 self.unproved
             ));
             text.push_str(&aligned_rows(&self.lines()));

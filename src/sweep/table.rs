@@ -2,8 +2,7 @@
 
 use super::row::Row;
 use super::swept_scene::Sweep;
-use crate::model::printed::push_shortest_decimal;
-use crate::report::cells::quoted_cell;
+use crate::report::csv::{TableCell, push_header, push_row};
 use serde_json::{Map, Value, json};
 
 /// Format of the rows.
@@ -52,8 +51,9 @@ impl<'s> RowTable<'s> {
     pub fn header(&self) -> String {
         match self.format {
             RowFormat::Csv => {
-                let cells: Vec<String> = self.names.iter().map(|name| quoted_cell(name)).collect();
-                cells.join(",") + "\n"
+                let mut text = String::new();
+                push_header(&mut text, &self.names);
+                text
             }
             RowFormat::JsonLines => String::new(),
         }
@@ -65,17 +65,13 @@ impl<'s> RowTable<'s> {
         let numbers = row.numbers(&design);
         match self.format {
             RowFormat::Csv => {
-                text.push_str(&format!(
-                    "{item},{},{}",
-                    row.status.word(),
-                    u8::from(row.is_feasible)
-                ));
-                for number in numbers {
-                    text.push(',');
-                    if number.is_finite() {
-                        push_shortest_decimal(text, number);
-                    }
-                }
+                let first = [
+                    TableCell::Whole(item),
+                    TableCell::text(row.status.word()),
+                    TableCell::Whole(u64::from(row.is_feasible)),
+                ];
+                let numbers = numbers.map(TableCell::Number);
+                push_row(text, first.into_iter().chain(numbers));
             }
             RowFormat::JsonLines => {
                 let first = [
@@ -85,9 +81,8 @@ impl<'s> RowTable<'s> {
                 ];
                 let cells = first.into_iter().chain(numbers.map(|number| json!(number)));
                 let object: Map<String, Value> = self.names.iter().cloned().zip(cells).collect();
-                text.push_str(&Value::Object(object).to_string());
+                text.push_str(&format!("{}\n", Value::Object(object)));
             }
         }
-        text.push('\n');
     }
 }

@@ -10,6 +10,7 @@ use crate::export::solid::{Library, write_obj, write_stl};
 use crate::export::{ExportSummary, Format, PendingFile};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::view::{Ghosts, ShownAxes};
+use crate::report::rounded::at_most;
 use crate::report::sentences::input_sentence;
 use crate::scene::Scene;
 use crate::staging::Staging;
@@ -37,8 +38,9 @@ pub fn write_model(
     let output = sinks::open_file(args)?;
     if let Some(moved) = model.coarse_rounding().filter(|_| *format != Format::Obj) {
         term.warning(&format!(
-            "{} has single precision: so far from the origin it moves corners by up to {moved:.1e} {}",
+            "{} has single precision: so far from the origin it moves corners by up to {} {}",
             format.name(),
+            at_most(moved),
             scene.mechanism.length_unit
         ));
     }

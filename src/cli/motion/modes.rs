@@ -11,9 +11,14 @@ use crate::diag::shown_number;
 use crate::kinematics::assemblies::{Mode, Modes};
 use crate::kinematics::certificate::absence::has_no_pose;
 use crate::kinematics::structure::system::System;
-use crate::model::mechanism::{Coordinate, Mechanism};
+use crate::model::mechanism::{Coordinate, Kind, Mechanism};
+use crate::numbers::decimal::fixed;
+use crate::report::lengths::LengthForm;
 use crate::report::{assemblies, sentences};
 use serde_json::{Map, Value, json};
+
+/// Decimals of the coordinates in the table.
+const DECIMALS: usize = 6;
 
 /// Runs the verb.
 pub fn run_modes(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
@@ -93,6 +98,7 @@ fn modes_table(mechanism: &Mechanism, modes: &Modes) -> String {
             .iter()
             .map(|c| unknown_heading(mechanism, c)),
     );
+    let forms = length_forms(mechanism, modes);
     for (k, mode) in modes.list.iter().enumerate() {
         let mark = if mode.is_scene { "* " } else { "" };
         let set = if mode.dimension > 0 { "~ " } else { "" };
@@ -105,7 +111,11 @@ fn modes_table(mechanism: &Mechanism, modes: &Modes) -> String {
             format!("{:.3e}", mode.sigma_min),
             mode.met.to_string(),
         ]);
-        row.extend(in_file(mechanism, mode).map(|(_, v)| format!("{v:.6}")));
+        let values = in_file(mechanism, mode).map(|(_, v)| v);
+        row.extend(values.zip(&forms).map(|(v, form)| match form {
+            Some(form) => form.length(v),
+            None => fixed(v, DECIMALS),
+        }));
         rows.push(row);
     }
     let widths: Vec<usize> = (0..rows[0].len())
@@ -117,6 +127,17 @@ fn modes_table(mechanism: &Mechanism, modes: &Modes) -> String {
         text.push_str(&format!("  {}\n", cells.collect::<Vec<_>>().join("  ")));
     }
     text
+}
+
+/// The form of each unknown that is a length, from its values in all modes.
+fn length_forms(mechanism: &Mechanism, modes: &Modes) -> Vec<Option<LengthForm>> {
+    let unknowns = mechanism.unknowns.iter().enumerate();
+    let form = |(index, unknown): (usize, &Coordinate)| {
+        let values = modes.list.iter().map(|mode| mode.coordinates[index]);
+        let values: Vec<f64> = values.collect();
+        (unknown.kind == Kind::Length).then(|| LengthForm::of(&values, mechanism.size, DECIMALS))
+    };
+    unknowns.map(form).collect()
 }
 
 fn unknown_heading(mechanism: &Mechanism, unknown: &Coordinate) -> String {

@@ -15,9 +15,8 @@ use crate::model::plot::Plot;
 use crate::model::theme::Theme;
 use crate::model::view::LabelPlace;
 use crate::plot::Chart;
-use crate::report::cells::quoted_cell;
+use crate::report::csv::{TableCell, push_header, push_row};
 use crate::scene::Scene;
-use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -97,22 +96,19 @@ fn improvement_chart(
 pub fn search_history(study: &LoadedStudy, improvements: &[Improvement]) -> String {
     let unit = study.objective_unit();
     let variables = &study.family.study.variables;
-    let mut text = format!("iteration,{}", quoted_cell(study.objective_name()));
-    variables
-        .iter()
-        .for_each(|variable| _ = write!(text, ",{}", quoted_cell(&variable.name)));
-    text.push('\n');
+    let mut heads = vec!["iteration", study.objective_name()];
+    heads.extend(variables.iter().map(|variable| variable.name.as_str()));
+    let mut text = String::new();
+    push_header(&mut text, &heads);
     for improvement in improvements {
-        _ = write!(
-            text,
-            "{},{}",
-            improvement.iteration,
-            improvement.objective * unit
+        let values = variables.iter().zip(&improvement.values);
+        let values = values.map(|(variable, v)| v * study.family.units(variable.kind));
+        let numbers = std::iter::once(improvement.objective * unit).chain(values);
+        let number = TableCell::Whole(improvement.iteration as u64);
+        push_row(
+            &mut text,
+            std::iter::once(number).chain(numbers.map(TableCell::Number)),
         );
-        for (variable, value) in variables.iter().zip(&improvement.values) {
-            _ = write!(text, ",{}", value * study.family.units(variable.kind));
-        }
-        text.push('\n');
     }
     text
 }

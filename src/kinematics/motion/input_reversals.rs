@@ -1,7 +1,7 @@
 //! Where the inputs of a motion rest, reverse and begin to move: what happens to everything there is no event of its own.
 
 use crate::model::actuation::Actuation;
-use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::mechanism::Mechanism;
 
 /// What the inputs do between two times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,19 +39,11 @@ pub(super) fn begins_to_move(actuation: &Actuation, times: [f64; 2]) -> bool {
     pairs.any(|(rests, moves)| *rests == 0.0 && *moves != 0.0)
 }
 
-/// A length, an angle or a number that is neither large nor small in a mechanism.
-pub(super) fn natural_size(mechanism: &Mechanism, kind: Kind) -> f64 {
-    match kind {
-        Kind::Length => mechanism.size,
-        Kind::Angle | Kind::Number => 1.0,
-    }
-}
-
 /// The largest rate of an input at a time, over its natural size.
 pub(super) fn pace_at(mechanism: &Mechanism, actuation: &Actuation, time: f64) -> f64 {
     let inputs = input_rates(actuation, time).into_iter();
     let rates = inputs.zip(&mechanism.inputs);
-    let paces = rates.map(|(rate, input)| rate.abs() / natural_size(mechanism, input.kind));
+    let paces = rates.map(|(rate, input)| rate.abs() / mechanism.natural_size(input.kind));
     paces.filter(|pace| pace.is_finite()).fold(0.0, f64::max)
 }
 

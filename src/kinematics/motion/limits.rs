@@ -5,7 +5,7 @@
 //! refined interval are missed.
 
 use super::continuation::solve_motion;
-use super::input_reversals::{InputsBetween, begins_to_move, natural_size, pace_at};
+use super::input_reversals::{InputsBetween, begins_to_move, pace_at};
 use super::sampling::is_cyclic;
 use super::value_roundings::{RESOLVED, ValueRoundings, output_roundings};
 use crate::kinematics::loops::forward::Observation;
@@ -206,7 +206,7 @@ impl<'m> LimitSearch<'m> {
     fn is_constant(&self, quantity: usize, largest: f64) -> bool {
         let mechanism = self.system.mechanism();
         match mechanism.unknowns.get(quantity) {
-            Some(unknown) => largest <= STILL * self.pace * natural_size(mechanism, unknown.kind),
+            Some(unknown) => largest <= STILL * self.pace * mechanism.natural_size(unknown.kind),
             None => self.roundings.is_constant(quantity),
         }
     }

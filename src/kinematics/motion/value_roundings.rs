@@ -1,7 +1,6 @@
 //! What rounding hides of the values of a motion: changes of a quantity that are smaller than it, and rates that lead to no
 //! larger ones. Each sample has its own, since an output may be large near a pole and small elsewhere.
 
-use super::input_reversals::natural_size;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 use crate::model::mechanism::{Kind, Mechanism};
@@ -99,5 +98,5 @@ pub(super) fn output_roundings(mechanism: &Mechanism, coordinates: &[f64]) -> Ve
 
 /// The rounding of an unknown: a small angle follows from lengths and angles that are not.
 fn unknown_rounding(mechanism: &Mechanism, kind: Kind, value: f64) -> f64 {
-    OPERATION * value.abs().max(natural_size(mechanism, kind))
+    OPERATION * value.abs().max(mechanism.natural_size(kind))
 }

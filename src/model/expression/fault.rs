@@ -1,6 +1,7 @@
 //! Why a formula has no value: the first operation that makes none of numbers that are some.
 
 use super::{Expression, Op, apply_op};
+use crate::numbers::decimal::{significant, trimmed};
 
 impl Expression {
     /// The first operation without a finite value, in words with its operands (`sqrt of -2`); `None` if the formula has
@@ -19,7 +20,7 @@ impl Expression {
 }
 
 fn fault_words(op: Op, values: &[f64]) -> String {
-    let v = |k: usize| short_number(values[k]);
+    let v = |k: usize| operand_text(values[k]);
     match op {
         Op::Constant(_) | Op::Slot(_) => "what it is made of has none".to_owned(),
         Op::Negate(a) => format!("- {}", v(a)),
@@ -35,10 +36,10 @@ fn fault_words(op: Op, values: &[f64]) -> String {
     }
 }
 
-fn short_number(value: f64) -> String {
-    let text = format!("{value:.6}");
-    match value.abs() {
-        size if size >= 1e6 || (size > 0.0 && size < 1e-3) => format!("{value:.5e}"),
-        _ => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+/// An operand with at most six decimals, or with six digits if it is small or large.
+fn operand_text(value: f64) -> String {
+    match (1e-3..1e6).contains(&value.abs()) {
+        true => trimmed(value, 6),
+        false => significant(value, 6),
     }
 }

@@ -8,7 +8,6 @@ use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::linalg::lanes::LaneMatrix;
 use crate::linalg::normal_equations::damped_solution;
-use crate::model::mechanism::Kind;
 use glam::DVec3;
 
 /// Steps of one pull: the next one begins where the pointer is by then.
@@ -137,10 +136,7 @@ impl LiveScene {
         let mechanism = self.mechanism();
         let inputs = mechanism.inputs.iter();
         inputs
-            .map(|input| match input.kind {
-                Kind::Length => mechanism.size,
-                Kind::Angle | Kind::Number => 1.0,
-            })
+            .map(|input| mechanism.natural_size(input.kind))
             .collect()
     }
 

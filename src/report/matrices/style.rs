@@ -3,7 +3,7 @@
 use super::symbol::{AngleSum, Symbol, SymbolSum};
 use crate::diag::xml_text;
 use crate::model::notation::WrittenTerm;
-use crate::plot::decimal::trimmed_decimal;
+use crate::numbers::decimal::{trimmed, with_minus};
 use crate::staging::quantity_names::{greek_word, split_symbol, written_symbol};
 
 /// A way of writing.
@@ -81,9 +81,9 @@ impl MatrixStyle {
 
     /// A number with at most six decimals.
     pub fn number(self, value: f64) -> String {
-        let short = trimmed_decimal(value, 6);
+        let short = trimmed(value, 6);
         match self {
-            Self::MathMl => format!("<mn>{}</mn>", short.replace('-', "−")),
+            Self::MathMl => format!("<mn>{}</mn>", with_minus(&short)),
             _ => short,
         }
     }

@@ -37,10 +37,7 @@ pub fn estimate_scales(mechanism: &mut Mechanism, mut poses: Vec<Vec<f64>>) {
         .map(|(reach, _)| scale_unit(size, *reach))
         .collect();
     mechanism.scales = (0..mechanism.coordinate_count())
-        .map(|slot| match mechanism.kind_of(slot) {
-            Kind::Length => size,
-            Kind::Angle | Kind::Number => 1.0,
-        })
+        .map(|slot| mechanism.natural_size(mechanism.kind_of(slot)))
         .collect();
     for ((_, slots), unit) in members.iter().zip(&units) {
         slots

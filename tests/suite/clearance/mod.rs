@@ -38,4 +38,5 @@ mod on_axes;
 mod random_clearances;
 mod random_drives;
 mod siblings;
+mod small_units;
 mod told_bounds;

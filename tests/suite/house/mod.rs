@@ -1,6 +1,7 @@
 //! The walls of the house: which room may use which rooms and which libraries, that no files go round in a circle,
 //! how large files get, that each says what it holds.
 
+mod bounds;
 mod face;
 mod graph;
 mod lock;

@@ -57,10 +57,13 @@ const NARROW: &[(&str, &[&str])] = &[
         &["diag.rs", "limits/", "math.rs", "weld.rs", "model/shape.rs"],
     ),
     ("render/", &["limits/", "math.rs", "weld.rs", "geometry/"]),
-    ("export/", &["math.rs", "geometry/"]),
+    ("export/", &["math.rs", "geometry/", "numbers/decimal.rs"]),
     ("import/", &["limits/"]),
     ("parts/", &["export/"]),
-    ("plot/", &["diag.rs", "math.rs", "render/text/"]),
+    (
+        "plot/",
+        &["diag.rs", "math.rs", "numbers/decimal.rs", "render/text/"],
+    ),
     ("compare/", &["import/"]),
 ];
 

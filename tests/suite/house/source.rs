@@ -43,6 +43,19 @@ pub fn is_test(name: &str) -> bool {
     name.ends_with("tests.rs") || name.contains("/tests/")
 }
 
+/// The text without comments at the beginning of lines, and without the test module that ends a file.
+pub fn with_strings(text: &str) -> String {
+    let lines = before_tests(text).lines();
+    let lines = lines.filter(|line| !line.trim_start().starts_with("//"));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// The text without its test module, which ends every file.
+pub fn before_tests(text: &str) -> &str {
+    let end = text.find("#[cfg(test)]\nmod tests {");
+    &text[..end.unwrap_or(text.len())]
+}
+
 /// The text with comments, strings and characters blanked out, and without what is compiled for tests only.
 pub fn bare(text: &str) -> String {
     without_tests(&without_words(text))

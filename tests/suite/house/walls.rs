@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::source::{bare, is_test, sources};
+use super::source::{bare, before_tests, is_test, sources, with_strings};
 
 /// Words that only some files under `src/` may hold.
 struct Wall {
@@ -164,19 +164,6 @@ const SCENE_LIST: &str = "scene/builtin.rs";
 
 /// Most lines of a file, its tests not counted.
 const MOST_LINES: usize = 450;
-
-/// The text without comments at the beginning of lines, and without the test module that ends a file.
-fn with_strings(text: &str) -> String {
-    let lines = before_tests(text).lines();
-    let lines = lines.filter(|line| !line.trim_start().starts_with("//"));
-    lines.collect::<Vec<_>>().join("\n")
-}
-
-/// The text without its test module, which ends every file.
-fn before_tests(text: &str) -> &str {
-    let end = text.find("#[cfg(test)]\nmod tests {");
-    &text[..end.unwrap_or(text.len())]
-}
 
 /// What is wrong with the file `name` (relative to `src/`, with `/`), where `scenes` are built in.
 fn faults(name: &str, text: &str, scenes: &[String]) -> Vec<String> {

@@ -214,6 +214,12 @@ fn nothing_of_a_scene_acts_on_who_shows_it() {
             let runs =
                 |cell: &str| cell.starts_with(['=', '+', '-', '@']) && cell.parse::<f64>().is_err();
             assert_eq!(cells.clone().find(|cell| runs(cell)), None, "{text}");
+            // One form of numbers in all tables, and nothing for those that do not exist.
+            let is_odd = |cell: &str| {
+                let number = cell.parse::<f64>();
+                number.is_ok_and(|v| !v.is_finite() || cell.ends_with(".0") || cell.ends_with("e0"))
+            };
+            assert_eq!(cells.clone().find(|cell| is_odd(cell)), None, "{text}");
         }
     }
 }
