@@ -1,11 +1,13 @@
 //! Number types, and the trait over which all formulas are written: constants with their error, Taylor series,
-//! hyper-dual numbers, intervals, affine forms, double-doubles, eight designs in SIMD lanes.
+//! hyper-dual numbers, intervals, affine forms, double-doubles, eight designs in SIMD lanes; brackets of zeros.
 
 pub mod affine_form;
+pub mod bracket;
 pub mod constant;
 pub mod double_double;
 pub mod exact_sum;
 pub mod form_room;
+pub mod form_sum;
 pub mod hyper_dual;
 pub mod interval;
 pub mod octet;
