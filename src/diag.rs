@@ -285,6 +285,11 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
+    /// A value, or nothing and the message why.
+    pub fn taken<T>(&mut self, value: Result<T, Diagnostic>) -> Option<T> {
+        value.map_err(|diagnostic| self.push(diagnostic)).ok()
+    }
+
     /// Adds one, unless it is only a consequence of another, or already present.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         let mut hasher = DefaultHasher::new();

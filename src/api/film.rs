@@ -5,7 +5,6 @@ use super::loaded::Loaded;
 use crate::export::Format;
 use crate::export::film::{Destination, FilmSettings};
 use crate::export::gif::Quality;
-use crate::export::raw::Chroma;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::theme::Theme;
 use crate::model::view_change::ViewChange;
@@ -212,21 +211,12 @@ impl<'m> Film<'m> {
         self.staged(|mut pictures| {
             let playback = pictures.scene.view.playback;
             pictures.order = pictures.order.shortened(count).played(playback, self.rate);
+            let count = pictures.order.pictures();
             let settings = FilmSettings {
-                format: &format,
-                size: self.size,
-                count: pictures.order.pictures(),
-                fps: self.rate,
                 needed_colours: pictures.staging.needed_colours(),
-                at_hand: false,
                 alpha: pictures.scene.view.transparent,
                 quality: self.quality,
-                effort: None,
-                dpi: None,
-                texts: Vec::new(),
-                strip_rows: None,
-                chroma: Chroma::Full,
-                repeat: true,
+                ..FilmSettings::new(&format, self.size, count, self.rate)
             };
             let mut workers = pictures.workers(&self.drawn_by)?.list;
             let prepared = settings.open(destination, &mut workers, &self.cancel)?;

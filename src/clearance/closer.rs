@@ -39,8 +39,8 @@ const STEPS_OF_SAMPLE: usize = 200;
 /// those that were reached.
 const MOST_DESCENTS: usize = 200;
 
-/// Most stretches of a motion that is looked at once more, and more of them for every sample: what nobody asked for must not
-/// cost far more than the motion.
+/// A motion is examined once more only if it has at most this many stretches, and so many more for every sample: nobody asked
+/// for that, so it must not cost far more than the motion.
 const MOST_STRETCHES: usize = 20_000;
 const STRETCHES_OF_SAMPLE: usize = 20;
 

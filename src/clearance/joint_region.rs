@@ -24,8 +24,8 @@ const DOUBLINGS: u32 = 3;
 /// Cuts of a shape that are closer than this share of its length are one.
 const SAME_CUT: f64 = 1e-9;
 
-/// Shapes touch where they miss each other by this part of their thickness.
-const TOUCH: f64 = 1e-9;
+/// Shapes touch where they miss each other by this part of their thickness, or of their balls' radius.
+pub(super) const TOUCH: f64 = 1e-9;
 
 /// Two bodies with the parts of their shapes that touch at their joint apart from all others.
 #[derive(Clone, Debug)]

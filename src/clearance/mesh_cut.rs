@@ -1,5 +1,5 @@
-//! Whether meshes cut each other, and how far. A mesh has no depth: instead shifts in many directions are tried, and what none
-//! of them parts is in each other by more.
+//! Whether meshes cut each other, and how far. Meshes have no depth. Instead one body is shifted by a length in many directions:
+//! if none of the shifts separates the bodies, they overlap by more than that length.
 
 use super::motion::ProvedMotion;
 use super::sweep::{Least, PairSweep};

@@ -30,6 +30,7 @@ pub mod motion;
 mod near_part;
 pub mod neighbours;
 mod one_joint;
+mod pair_look;
 pub mod part;
 mod piece_corners;
 pub mod piece_gap;

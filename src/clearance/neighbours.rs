@@ -4,7 +4,7 @@
 //! A body on a link between two others separates them, however close their axes are: these two must keep their clearance.
 
 use super::joint_locus::JointLocus;
-use super::joint_region::JointRegion;
+use super::joint_region::{JointRegion, TOUCH};
 use super::motion::ProvedMotion;
 use crate::distance::bodies::BodyElements;
 use crate::distance::mesh;
@@ -16,9 +16,6 @@ use crate::model::chain::{ArgumentValue, ElementaryMotion as StepMotion};
 use crate::model::joints::{Joint, JointKind, Joints};
 use crate::model::walk::walk_chain;
 use glam::DVec3;
-
-/// Shapes that are to touch may miss each other by this part of their extents.
-const TOUCH: f64 = 1e-9;
 
 /// A contact belongs to the joint if it is no farther from it than this many radii of the smaller shape.
 const AROUND: f64 = 2.0;

@@ -1,5 +1,6 @@
 //! Corners of solids, and their positions when the dimensions move the points of the solid.
 
+use super::relative::WIDER;
 use crate::distance::primitive::{Circle, Element, Frustum, Primitive};
 use crate::math::{Pose, sin_cos};
 use glam::DVec3;
@@ -36,7 +37,7 @@ pub(super) fn rim_corners(circle: &Circle, n: DVec3, turned: f64) -> (Vec<DVec3>
     };
     let (_, cos) = sin_cos(PI / CORNERS as f64);
     let above = radius * (1.0 - cos) * (across + turned).min(1.0);
-    ((0..CORNERS).map(corner).collect(), above * (1.0 + 1e-9))
+    ((0..CORNERS).map(corner).collect(), above * WIDER)
 }
 
 /// A corner as it is carried by the nearest line between two neighbours of the points at `ends`.

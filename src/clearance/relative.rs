@@ -9,6 +9,12 @@ use crate::model::walk::{Carried, walk_chain};
 use crate::numbers::rounding::GROW;
 use glam::{DMat3, DVec3};
 
+/// Bounds of a few operations are widened by this factor for their rounding, far more than they lose, ...
+pub(super) const WIDER: f64 = 1.0 + 1e-9;
+
+/// ... and by this where numbers of order one are subtracted from each other.
+pub(super) const ROUNDING: f64 = 1e-12;
+
 /// The chain from one body to another, without their common part.
 #[derive(Clone, Debug)]
 pub struct RelativeChain {
@@ -278,7 +284,7 @@ impl RelativeChain {
                 turned += arguments[joint.argument].size_of_change() * across;
             }
         });
-        turned * (1.0 + 1e-9) + if turned > 0.0 { 1e-12 } else { 0.0 }
+        turned * WIDER + if turned > 0.0 { ROUNDING } else { 0.0 }
     }
 
     /// How far the line from a's origin to b's may turn as seen from a.
@@ -342,7 +348,7 @@ impl RelativeChain {
         let mut moved = moving.moved;
         moved.turning = [moved.spin.length(), operator_norm(&moved.twist)];
         let whole = moved.off_by_reach * moving.length;
-        moved.off += (whole - moving.off_by_length).max(0.0) + 1e-12 * whole;
+        moved.off += (whole - moving.off_by_length).max(0.0) + ROUNDING * whole;
         match moved.is_known() {
             true => moved,
             false => RelativeMove::unknown(moved.pose),

@@ -13,10 +13,11 @@ use crate::model::joints::EXACT;
 use crate::numbers::rounding::CHAIN_FACTOR;
 use glam::DVec3;
 
-/// How many steps a distance and its bound take behind the chain.
+/// A distance and its bound are as many operations as so many steps of a chain: each of them rounds once.
 const STEPS: usize = 16;
 
-/// Accuracy of the nearest point of a search along a circle, in its radii and in lengths of the other curve.
+/// By how much the search along a circle may miss the nearest point, as a fraction of the circle's radius and of the other
+/// curve's length.
 const SEARCHED: f64 = 2e-11;
 
 /// A pair passes where the bound is no farther below the minimum than this, in radii of the smaller body's ball: bodies that

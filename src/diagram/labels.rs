@@ -1,7 +1,9 @@
 //! Label placement: as near to what they name as possible, clear of other labels and symbols, over few lines.
 
 use super::ink::{Ink, WantedLabel};
-use super::plane::{DrawnSpot, spot_ahead, spot_difference, spot_length, unit_direction};
+use super::plane::{
+    DrawnSpot, NO_LENGTH, spot_ahead, spot_difference, spot_length, unit_direction,
+};
 use crate::plot::layout::Ruler;
 use crate::plot::primitive::{DrawnPrimitive, Rect, TextAnchor};
 use crate::plot::theme::Dashes;
@@ -107,7 +109,8 @@ fn best_place(label: &WantedLabel, size: [f64; 2], ink: &Ink, area: &Rect) -> Op
 /// The box of a given size whose edge lies at a distance from a point, in a given direction.
 fn box_beside(at: DrawnSpot, d: DrawnSpot, distance: f64, [wide, high]: [f64; 2]) -> Rect {
     // Where the line from the middle leaves the box.
-    let reach = (0.5 * wide / d[0].abs().max(1e-9)).min(0.5 * high / d[1].abs().max(1e-9));
+    let reach =
+        (0.5 * wide / d[0].abs().max(NO_LENGTH)).min(0.5 * high / d[1].abs().max(NO_LENGTH));
     let middle = spot_ahead(at, d, distance + reach);
     Rect {
         left: middle[0] - 0.5 * wide,

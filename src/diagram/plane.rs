@@ -7,6 +7,9 @@ use glam::{DMat3, DVec3};
 /// A point in the drawing: pixels from the top left corner.
 pub type DrawnSpot = [f64; 2];
 
+/// A direction that is no longer than this has no direction; a pixel is one.
+pub(super) const NO_LENGTH: f64 = 1e-9;
+
 /// A direction, or an offset from another point.
 pub fn spot_difference(a: DrawnSpot, b: DrawnSpot) -> DrawnSpot {
     [a[0] - b[0], a[1] - b[1]]
@@ -25,7 +28,7 @@ pub fn spot_length(d: DrawnSpot) -> f64 {
 /// The unit vector of a direction; `None` for the zero vector.
 pub fn unit_direction(d: DrawnSpot) -> Option<DrawnSpot> {
     let length = spot_length(d);
-    (length > 1e-9).then(|| [d[0] / length, d[1] / length])
+    (length > NO_LENGTH).then(|| [d[0] / length, d[1] / length])
 }
 
 /// A quarter turn from x towards y.
@@ -55,6 +58,9 @@ const BORDER: f64 = 105.0;
 /// Least and greatest height of the drawing over its width.
 const HEIGHTS: [f64; 2] = [0.34, 0.82];
 
+/// What is drawn extends over at least this share of the mechanism's size: a point has no scale.
+const LEAST_EXTENT: f64 = 1e-3;
+
 impl DrawingPlane {
     /// Holds all places of a scheme in a drawing of the given width.
     pub fn fitted(axes: DMat3, scheme: &Scheme, width: f64) -> Self {
@@ -70,7 +76,7 @@ impl DrawingPlane {
         if low[0] > high[0] {
             (low, high) = ([-0.5; 2], [0.5; 2]);
         }
-        let least = 1e-3 * scheme.size;
+        let least = LEAST_EXTENT * scheme.size;
         let extent = [0, 1].map(|k| (high[k] - low[k]).max(least));
         let free = [width - 2.0 * border, width * HEIGHTS[1] - 2.0 * border];
         let scale = (free[0] / extent[0]).min(free[1] / extent[1]);

@@ -6,6 +6,7 @@ use super::primitive::{Circle, Primitive};
 use super::primitive_distance::is_coaxial;
 use super::search::{CurveSpot, FINEST, angle_grid};
 use crate::math::sin_cos;
+use crate::numbers::bracket::Bracket;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -81,30 +82,23 @@ fn minima_on_circle(
 }
 
 /// Zero of the slope between a falling and a rising point. Only slopes count: next to a minimum of zero the values are
-/// rounding long before them. False position with halved weights (Illinois), and bisection for kinks.
-fn perpendicular_foot(
-    mut a: CurveSpot,
-    mut b: CurveSpot,
-    f: &impl Fn(f64) -> CurveSpot,
-) -> CurveSpot {
-    let (mut weights, mut replaced, mut last) = ([1.0, 1.0], 2, a);
+/// rounding long before them. False position, and bisection for kinks.
+fn perpendicular_foot(a: CurveSpot, b: CurveSpot, f: &impl Fn(f64) -> CurveSpot) -> CurveSpot {
+    let mut bracket = Bracket::new([a.at, a.slope], [b.at, b.slope]);
+    let mut last = a;
     for step in 1..=MOST_STEPS {
-        let [fall, rise] = [-a.slope * weights[0], b.slope * weights[1]];
         let share = match step % 3 {
             0 => 0.5,
-            _ => fall / (fall + rise),
+            _ => bracket.secant_share(),
         };
-        let spot = f(a.at + share * (b.at - a.at));
+        let spot = f(bracket.at(share));
         let is_settled = (spot.at - last.at).abs() <= f64::EPSILON * spot.at.abs();
         last = spot;
-        if is_settled || spot.at <= a.at || spot.at >= b.at || spot.slope == 0.0 {
+        let [low, high] = bracket.ends;
+        if is_settled || spot.at <= low || spot.at >= high || spot.slope == 0.0 {
             break;
         }
-        // An end that stays a second time counts for half, so that the next place lies beyond the zero.
-        let (new, stays) = if spot.slope < 0.0 { (0, 1) } else { (1, 0) };
-        weights[stays] *= if replaced == new { 0.5 } else { 1.0 };
-        (weights[new], replaced) = (1.0, new);
-        *[&mut a, &mut b][new] = spot;
+        bracket.replace(spot.slope < 0.0, spot.at, spot.slope);
     }
     last
 }

@@ -94,6 +94,28 @@ impl Prepared {
     }
 }
 
+impl<'a> FilmSettings<'a> {
+    /// Opaque frames that are drawn once each, with the usual encoding.
+    pub fn new(format: &'a Format, size: [u32; 2], count: usize, fps: f64) -> Self {
+        Self {
+            format,
+            size,
+            count,
+            fps,
+            needed_colours: Vec::new(),
+            at_hand: false,
+            alpha: false,
+            quality: Quality::USUAL,
+            effort: None,
+            dpi: None,
+            texts: Vec::new(),
+            strip_rows: None,
+            chroma: Chroma::Full,
+            repeat: true,
+        }
+    }
+}
+
 impl FilmSettings<'_> {
     /// Opens the sink; for a GIF some frames are drawn to find the palette.
     ///

@@ -9,8 +9,11 @@ use super::simplex::{ProgrammeResult, maximise};
 use super::system::{IntervalSystem, SolutionSet};
 use crate::numbers::rounding::SUMS;
 
-/// Halvings in the search for the radius of a cube in the united set.
+/// Halvings in the search for the largest radius that fits.
 const HALVINGS: usize = 60;
+
+/// No radius is searched beyond this: there a cube in the united set is as good as unbounded.
+const LARGEST_RADIUS: f64 = 1e300;
 
 /// How far all A x of a point stay inside b: the point is tolerable if this is not negative.
 pub fn tolerance_at(system: &IntervalSystem, t: &[f64]) -> f64 {
@@ -56,11 +59,16 @@ pub fn united_radius(system: &IntervalSystem, t: &[f64]) -> f64 {
             (middle - b.middle()).abs() + r * reach + slack <= open + b.radius()
         })
     };
-    if !fits(0.0) {
-        return -1.0;
-    }
+    largest_fitting(fits, LARGEST_RADIUS).unwrap_or(-1.0)
+}
+
+/// The largest radius that fits, up to about `limit`: doubled until it fails, then bisected. `None` if not even zero does.
+pub(super) fn largest_fitting(fits: impl Fn(f64) -> bool, limit: f64) -> Option<f64> {
     let (mut low, mut high) = (0.0, 1.0);
-    while fits(high) && high < 1e300 {
+    if !fits(low) {
+        return None;
+    }
+    while fits(high) && high < limit {
         (low, high) = (high, 2.0 * high);
     }
     for _ in 0..HALVINGS {
@@ -70,7 +78,7 @@ pub fn united_radius(system: &IntervalSystem, t: &[f64]) -> f64 {
             false => high = middle,
         }
     }
-    low
+    Some(low)
 }
 
 /// The largest cube about `t` in the united or the tolerable set; `None` for other sets.

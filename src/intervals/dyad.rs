@@ -5,6 +5,7 @@
 //! oblique projectors, so that i₄ = 1 - i₁ and i₁ i₄ = i₂ i₃. They have a pole where the bars are collinear and nowhere
 //! else, unlike the tangents in the printed form.
 
+use super::centre::largest_fitting;
 use super::kaucher::Kaucher;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::{Ring, Scalar};
@@ -199,6 +200,9 @@ pub fn are_apart(point: [Interval; 2], ends: [[Interval; 2]; 2], sine: Interval)
     (cross.magnitude() < needed.lo).then_some(false)
 }
 
+/// No cube of velocities is searched beyond this: with nothing in the way all of them fit.
+const LARGEST_CUBE: f64 = 1e12;
+
 /// Half the side of a cube of velocities all of which belong to directions of the bars that are nowhere closer to
 /// collinear than `least` (radians), proved by intervals. Points without a radius, `still`, keep theirs. Zero if the
 /// test fails at the velocities themselves.
@@ -215,20 +219,5 @@ pub fn tied_cube(velocities: &[[f64; 2]], still: &[usize], dyads: &[Dyad], least
             are_apart(of(dyad.point), far, sine) == Some(true)
         })
     };
-    let (mut low, mut high) = (0.0, 1.0);
-    if !fits(low) {
-        return 0.0;
-    }
-    // Doubled until it fails, then bisected.
-    while fits(high) && high < 1e12 {
-        (low, high) = (high, 2.0 * high);
-    }
-    for _ in 0..60 {
-        let middle = 0.5 * low + 0.5 * high;
-        match fits(middle) {
-            true => low = middle,
-            false => high = middle,
-        }
-    }
-    low
+    largest_fitting(fits, LARGEST_CUBE).unwrap_or(0.0)
 }

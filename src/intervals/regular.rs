@@ -8,6 +8,9 @@ use crate::numbers::rounding::{GROW, OPERATION, largest_or_nan};
 /// Steps of the iteration for the spectral radius.
 const STEPS: usize = 200;
 
+/// What is added to every component: all stay positive, and the bound is hardly any larger.
+const POSITIVE: f64 = 1e-9;
+
 /// A bound of the spectral radius of |mid A⁻¹| rad A: below one all matrices are regular. Infinite if the midpoint is
 /// singular.
 ///
@@ -59,7 +62,7 @@ pub fn spectral_bound(system: &IntervalSystem) -> f64 {
         least = least.min(bound);
         let size = y.iter().fold(f64::MIN_POSITIVE, |s, v| s.max(*v));
         // A positive part of all components keeps every quotient defined.
-        x = y.iter().map(|v| v / size + 1e-9).collect();
+        x = y.iter().map(|v| v / size + POSITIVE).collect();
     }
     least
 }

@@ -3,6 +3,9 @@
 use super::measure::Measures;
 use super::mechanism::Kind;
 
+/// Share of a range by which a value may be outside: units are converted back and forth.
+pub const RANGE_ROUNDING: f64 = 1e-12;
+
 /// A parameter that may change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {

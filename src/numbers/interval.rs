@@ -200,7 +200,6 @@ impl Scalar for Interval {
         (self.lo == self.hi).then_some(self.lo)
     }
 
-    /// Zero at an end belongs to the side of the other values.
     fn nominal(self) -> f64 {
         self.middle()
     }
@@ -209,6 +208,7 @@ impl Scalar for Interval {
         Self::ENTIRE
     }
 
+    /// Zero at an end belongs to the side of the other values.
     fn is_below_zero(self) -> Option<bool> {
         if self.lo >= 0.0 {
             Some(false)
@@ -285,7 +285,7 @@ impl Scalar for Interval {
         Self::ONE.atan2(Self::ZERO) - self.asin()
     }
 
-    /// From zero on powers rise, whatever their positive exponents are.
+    /// Unknown where a member may have no such power. From zero on powers rise, whatever their positive exponents are.
     fn variable_power(self, exponent: Self) -> Self {
         let power = |base: Self| (base.ln() * exponent).exp();
         match self.cut_at_zero() {
@@ -298,18 +298,8 @@ impl Scalar for Interval {
         }
     }
 
-    /// Unknown where a member may have no such power.
     fn real_power(self, exponent: f64) -> Self {
-        let power = |base: Self| (base.ln() * Self::number(exponent)).exp();
-        match self.cut_at_zero() {
-            Self { lo, hi } if lo > 0.0 && hi.is_finite() => power(self),
-            // From zero on it rises.
-            Self { lo: 0.0, hi } if exponent > 0.0 && hi.is_finite() => match hi > 0.0 {
-                true => Self::new(0.0, power(Self::point(hi)).hi),
-                false => Self::ZERO,
-            },
-            _ => Self::ENTIRE,
-        }
+        self.variable_power(Self::number(exponent))
     }
 
     /// Magnitudes; about zero those of both signs.

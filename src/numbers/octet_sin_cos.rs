@@ -4,15 +4,13 @@
 //! Functions); the rest is the argument of the minimax polynomials of FreeBSD's msun for -π/4 to π/4, which libm also
 //! uses. The error is below one unit in the last place, as there; the last bit may differ.
 
+use super::sin_cos::ROUNDING;
 use wide::{f64x8, u64x8};
 
 /// Angles up to this are reduced without loss: their multiples of π/2 have at most 20 bits.
 const LARGEST: f64 = 1e6;
 
 const PER_QUARTER: f64 = std::f64::consts::FRAC_2_PI;
-
-/// Adding and subtracting it rounds to whole numbers, whose last bits are then those of the sum.
-const ROUNDING: f64 = 1.5 * (1u64 << 52) as f64;
 
 /// π/2 as two parts of 33 bits and the rest, by their bits.
 const QUARTER: [f64; 3] = [

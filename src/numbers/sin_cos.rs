@@ -19,8 +19,8 @@ const PI: [f64; 3] = [
 const STEPS: usize = 64;
 const QUARTER: usize = STEPS / 2;
 
-/// Rounds by its size.
-const ROUNDING: f64 = 1.5 * (1u64 << 52) as f64;
+/// Adding and subtracting it rounds to whole numbers, whose last bits are then those of the sum.
+pub const ROUNDING: f64 = 1.5 * (1u64 << 52) as f64;
 
 /// Adding and subtracting it rounds numbers up to two to multiples of 2^-26. Products of two such numbers up to one,
 /// and sums of a few of them, are exact in f64.

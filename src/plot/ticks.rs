@@ -36,6 +36,15 @@ const WIDE: f64 = PI / 3.0;
 /// Fraction of a step by which a range may exceed its ticks, as 6.2832 exceeds 2π.
 const OVERHANG: f64 = 1e-3;
 
+/// Fraction of a step by which a tick may lie beyond an end, so that rounding loses none.
+const END: f64 = 1e-6;
+
+/// Rounding of a decimal logarithm, and of a step from one, generously.
+const LOGARITHM: f64 = 1e-9;
+
+/// More ticks than any axis has: the range has no digits left for its steps.
+const MOST_TICKS: f64 = 1e4;
+
 /// Numbers of this size and larger, or with steps smaller than the other, get a common power of ten.
 const LARGE: f64 = 1e5;
 const SMALL_STEP: f64 = 1e-4;
@@ -61,7 +70,7 @@ pub fn least_round_step(range: f64, most: usize, unit: &str) -> f64 {
     let decade = libm::pow(10.0, libm::floor(libm::log10(least)));
     let step = STEPS
         .into_iter()
-        .find(|s| s * decade >= least * (1.0 - 1e-9));
+        .find(|s| s * decade >= least * (1.0 - LOGARITHM));
     step.unwrap_or(10.0) * decade
 }
 
@@ -72,8 +81,8 @@ fn pi_ticks(low: f64, high: f64, most: usize) -> Option<Ticks> {
     let fits = |twelfths: &u32| range / (f64::from(*twelfths) * PI / 12.0) <= most;
     let twelfths = TWELFTHS.into_iter().find(fits).filter(|_| range >= WIDE)?;
     let step = f64::from(twelfths) * PI / 12.0;
-    let first = libm::ceil(low / step - 1e-6) as i64;
-    let last = libm::floor(high / step + 1e-6) as i64;
+    let first = libm::ceil(low / step - END) as i64;
+    let last = libm::floor(high / step + END) as i64;
     let tick = |k: i64| Tick {
         value: k as f64 * step,
         text: pi_text(k * i64::from(twelfths)),
@@ -109,10 +118,10 @@ fn linear_ticks(low: f64, high: f64, most: usize, unit: &str) -> Ticks {
         return ticks;
     }
     let step = least_round_step(high - low, most, unit);
-    // Counted, not summed up; a little beyond the ends so that rounding loses none.
-    let first = libm::ceil(low / step - 1e-6);
-    let last = libm::floor(high / step + 1e-6);
-    if !(first.is_finite() && last.is_finite()) || last - first > 1e4 {
+    // Counted, not summed up.
+    let first = libm::ceil(low / step - END);
+    let last = libm::floor(high / step + END);
+    if !(first.is_finite() && last.is_finite()) || last - first > MOST_TICKS {
         return Ticks::default();
     }
     let numbers: Vec<f64> = (0..=(last - first) as usize)
@@ -148,7 +157,7 @@ fn common_factor(largest: f64, step: f64) -> i32 {
 
 /// Decimals needed to distinguish multiples of `step`.
 fn step_decimals(step: f64) -> usize {
-    let digits = -libm::floor(libm::log10(step) + 1e-9);
+    let digits = -libm::floor(libm::log10(step) + LOGARITHM);
     digits.clamp(0.0, 12.0) as usize
 }
 
@@ -164,8 +173,8 @@ pub fn power_of_ten(exponent: i32) -> String {
 }
 
 fn decade_ticks(low: f64, high: f64, most: usize) -> Ticks {
-    let first = libm::ceil(libm::log10(low) - 1e-9) as i32;
-    let last = libm::floor(libm::log10(high) + 1e-9) as i32;
+    let first = libm::ceil(libm::log10(low) - LOGARITHM) as i32;
+    let last = libm::floor(libm::log10(high) + LOGARITHM) as i32;
     let every = ((last - first) as usize).div_ceil(most).max(1) as i32;
     let list = (first..=last)
         .map(|k| Tick {

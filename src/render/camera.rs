@@ -19,7 +19,7 @@ const EXTENT_RESOLUTION: f64 = 1e-12;
 const DEPTH_SLACK: f64 = 0.05;
 /// The near plane is never closer than this share of the far plane's distance: f32 depth keeps
 /// four digits at the far end.
-const NEAR_SHARE: f64 = 1e-4;
+pub const NEAR_SHARE: f64 = 1e-4;
 /// Largest share of the frame that a margin may take.
 const MAX_MARGIN: f64 = 0.9;
 

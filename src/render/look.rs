@@ -72,6 +72,9 @@ pub fn dot_product(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// The least divisor: what is divided by it is zero itself and stays so.
+pub const LEAST_DIVISOR: f32 = 1e-30;
+
 /// The larger of two numbers, `b` when `a` is not a number; one instruction, unlike `f32::max`.
 #[inline(always)]
 pub fn larger_of(a: f32, b: f32) -> f32 {

@@ -3,13 +3,11 @@
 use super::cells::{aligned_rows, six_digits};
 use super::rounded::at_most;
 use super::sentences::{beside_unit, certified_error};
+use crate::analysis::study::KEPT;
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::analysis::synthesis::verify::Proof;
 use crate::analysis::synthesis::{FinishedStart, Synthesis, ending_word};
 use crate::model::measure::{Measure, MeasureSource};
-
-/// Violation of a limit that is still called kept.
-const KEPT: f64 = 1e-6;
 
 /// The result for a scene.
 pub struct FoundMechanism<'a> {

@@ -12,6 +12,7 @@ use crate::model::view_change::ViewChange;
 use crate::scene::reader::{FoundValue, Spanned, TableReader, read_table};
 use crate::scene::resolve::camera::MOST_ORBIT;
 use crate::scene::resolve::choices::{MOST_GHOSTS, chosen_word};
+use crate::scene::resolve::range::in_range;
 use crate::scene::syntax::parse_tables;
 use crate::scene::values::FormulaText;
 use glam::DVec3;
@@ -308,22 +309,13 @@ fn real_number(
     low: f64,
     high: f64,
 ) -> Option<f64> {
-    let value = text
-        .text
-        .parse::<f64>()
-        .ok()
-        .filter(|v| (low..=high).contains(v));
-    if value.is_none() {
-        let range = if low == f64::MIN {
-            "a number".to_owned()
-        } else if high == f64::MAX {
-            format!("a number of at least {low}")
-        } else {
-            format!("a number between {low} and {high}")
-        };
-        let message = format!("{what} must be {range}, found `{}`", text.text);
-        r.diagnostics
-            .push(Diagnostic::error(message).at(text.span.clone()));
-    }
-    value
+    let value = text.text.parse::<f64>().ok().filter(|v| v.is_finite());
+    let found = match value {
+        Some(value) => in_range(what, value, [low, high], &text.span),
+        None => {
+            let message = format!("{what} must be a number, found `{}`", text.text);
+            Err(Diagnostic::error(message).at(text.span.clone()))
+        }
+    };
+    r.diagnostics.taken(found)
 }

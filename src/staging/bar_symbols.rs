@@ -1,7 +1,7 @@
 //! Bars in pictures: a rod from end to end, in two parts that slide in each other where its length changes, and a ball at every
 //! end.
 
-use super::joints::PlacedLinks;
+use super::joints::{AT_REST, PlacedLinks, few_of};
 use crate::math::Pose;
 use crate::model::bar_ends::BarEnds;
 use crate::model::chain::Chain;
@@ -11,12 +11,6 @@ use glam::DVec3;
 
 /// A length that changes by less than this fraction does not.
 const CONSTANT: f64 = 1e-9;
-
-/// A body moves with a bar if it moves relative to it by less than this fraction of the mechanism's size.
-const AT_REST: f64 = 1e-6;
-
-/// Number of poses at which this is examined.
-const POSES: usize = 7;
 
 /// Each part of a bar that changes its length has this share of the greatest one, so that they overlap in a tenth of it; unless
 /// the bar is shorter than that at its shortest: then the parts do not meet where it is longest.
@@ -91,11 +85,10 @@ pub fn bars_without_bodies(mechanism: &Mechanism, poses: &[PlacedLinks]) -> Vec<
         .iter()
         .filter(|body| !body.shapes.is_empty());
     let shaped: Vec<&Chain> = shaped.map(|body| &body.world_from_body).collect();
-    let stride = poses.len().div_ceil(POSES).max(1);
     let slack = AT_REST * mechanism.size;
     let is_shown = |[a, b]: [&Chain; 2], body: &Chain| {
         // One end, and the direction to the other, as the body sees them.
-        let mut seen = poses.iter().step_by(stride).map(|at| {
+        let mut seen = few_of(poses).map(|at| {
             let body_from_world = body.pose(&at.arguments).inverse();
             let [a, b] = [a, b].map(|end| end.pose(&at.arguments).translation);
             let along = body_from_world.rotation * (b - a).normalize_or_zero();

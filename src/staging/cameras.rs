@@ -6,7 +6,7 @@
 use super::bounds;
 use crate::math::{Pose, sin_cos};
 use crate::model::view::{NamedView, View, ViewProjection};
-use crate::render::camera::{ViewDirection, fit_within};
+use crate::render::camera::{NEAR_SHARE, ViewDirection, fit_within};
 use crate::render::{Camera, Projection};
 use crate::scene::Scene;
 use glam::DVec3;
@@ -20,9 +20,6 @@ const PLACES: usize = 256;
 
 /// Free space in front of the eye, relative to the motion's half extent.
 const EYE_CLEARANCE: f64 = 0.05;
-
-/// The near plane of a perspective is never closer than this share of the far plane's distance.
-const NEAR_SHARE: f64 = 1e-4;
 
 /// Height of a line of captions plus its distance from the border, as a fraction of the height.
 const CAPTIONS: f64 = 0.08;

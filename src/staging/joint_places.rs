@@ -1,7 +1,7 @@
 //! The position of a joint's symbol along its axis: a chain determines only the axis, the bodies show where the joint
 //! is.
 
-use super::joints::{CarriedFrame, PlacedJoint, PlacedLinks};
+use super::joints::{AT_REST, CarriedFrame, PlacedJoint, PlacedLinks, few_of};
 use crate::geometry::coarse_mesh_of;
 use crate::math::Pose;
 use crate::model::joints::JointKind;
@@ -11,12 +11,6 @@ use glam::DVec3;
 
 /// Facet error of the meshes that are looked at over a solid's radius.
 const COARSE: f64 = 0.02;
-
-/// A body belongs to a frame if it moves in it by less than this fraction of the mechanism's size.
-const AT_REST: f64 = 1e-6;
-
-/// Number of poses at which this is examined.
-const POSES: usize = 7;
 
 /// Solids around an axis (sockets, hubs) count up to this many reaches from it.
 const SOCKET: f64 = 8.0;
@@ -58,8 +52,7 @@ impl<'p> BodyOutlines<'p> {
             });
             solids.collect()
         });
-        let stride = all.len().div_ceil(POSES).max(1);
-        let poses = all.iter().step_by(stride).map(|at| {
+        let poses = few_of(all).map(|at| {
             let chains = mechanism.bodies.iter().map(|body| &body.world_from_body);
             (at, chains.map(|chain| chain.pose(&at.arguments)).collect())
         });

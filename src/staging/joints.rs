@@ -15,6 +15,17 @@ use glam::DVec3;
 /// Samples looked at for the room and the strokes of the joints.
 const MAX_SAMPLES: usize = 64;
 
+/// Parts that move relative to each other by less than this fraction of the mechanism's size move together.
+pub(super) const AT_REST: f64 = 1e-6;
+
+/// Number of poses at which that is examined.
+const POSES: usize = 7;
+
+/// A few poses, evenly spread over all.
+pub(super) fn few_of(all: &[PlacedLinks]) -> impl Iterator<Item = &PlacedLinks> {
+    all.iter().step_by(all.len().div_ceil(POSES).max(1))
+}
+
 /// A joint with its placement in the world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedJoint {

@@ -11,7 +11,7 @@ use crate::jobs::share_work;
 use crate::math::sin_cos;
 use std::f64::consts::TAU;
 
-/// What is drawn.
+/// Which random trials are made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrialOptions {
     /// Directions that bars may have.
@@ -26,7 +26,7 @@ pub struct TrialOptions {
     pub threads: usize,
 }
 
-/// What came of them.
+/// The results of the trials.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trials {
     /// Trials with a solution.

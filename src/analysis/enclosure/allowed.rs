@@ -25,6 +25,20 @@ const SHARPNESS: f64 = 1e-4;
 /// Factors that are tried lie between these.
 const SHARES: [f64; 2] = [1e-12, 1e6];
 
+/// A step by the ratio multiplies the factor by no less and no more than this: every step must change something, and far
+/// from a factor its bound tells little.
+const STEPS_UP: [f64; 2] = [1.001, 100.0];
+const STEPS_DOWN: [f64; 2] = [0.01, 0.999];
+
+/// The step down from a factor for which there is no bound.
+const FAR_DOWN: f64 = 0.1;
+
+/// Divides the limit instead of a bound of zero.
+const NOT_ZERO: f64 = 1e-300;
+
+/// Covers the rounding of a conversion to the file's unit.
+const CONVERTED: f64 = 1.0 + 1e-14;
+
 /// The largest factor on the plan's tolerances for which the quantity `name` (an unknown, a traced point, one of its
 /// coordinates, an output, a measure) stays within `limit`, in the file's unit, of its nominal value; `None` if there
 /// is no such quantity.
@@ -78,9 +92,11 @@ fn search_allowed(reach: &dyn Fn(f64) -> f64, limit: f64, poses: usize) -> Allow
         // The bound is nearly proportional: first a step by the ratio, then bisection.
         share = match (low > 0.0, high.is_finite()) {
             (true, true) => 0.5 * (low + high),
-            (true, false) => share * (limit / here.max(1e-300)).clamp(1.001, 100.0),
-            (false, _) if here.is_finite() => share * (limit / here).clamp(0.01, 0.999),
-            (false, _) => 0.1 * share,
+            (true, false) => share * (limit / here.max(NOT_ZERO)).clamp(STEPS_UP[0], STEPS_UP[1]),
+            (false, _) if here.is_finite() => {
+                share * (limit / here).clamp(STEPS_DOWN[0], STEPS_DOWN[1])
+            }
+            (false, _) => FAR_DOWN * share,
         };
     }
     AllowedTolerance {
@@ -100,9 +116,9 @@ fn of_motion(plan: &TolerancePlan, wanted: &[(usize, Kind)], times: &[f64], thre
             return f64::INFINITY;
         };
         for (index, kind) in wanted {
-            // The farther end of the band, in the file's unit; the factor covers the rounding of the conversion.
+            // The farther end of the band, in the file's unit.
             let band = &bands.list[*index];
-            let unit = mechanism.file_units(*kind) * (1.0 + 1e-14);
+            let unit = mechanism.file_units(*kind) * CONVERTED;
             let apart = (band.hi - band.nominal).max(band.nominal - band.lo) * unit;
             if apart.is_nan() {
                 return f64::INFINITY;
@@ -124,7 +140,7 @@ fn of_measure(plan: &TolerancePlan, nominal: &Nominal, index: usize) -> f64 {
         return f64::INFINITY;
     };
     let mechanism = plan.family.mechanism();
-    let unit = mechanism.file_units(plan.family.measures.list[index].kind) * (1.0 + 1e-14);
+    let unit = mechanism.file_units(plan.family.measures.list[index].kind) * CONVERTED;
     let (band, own) = (bands[index], own[index]);
     let apart = (band.hi - own.lo).max(own.hi - band.lo) * unit;
     if apart.is_nan() { f64::INFINITY } else { apart }

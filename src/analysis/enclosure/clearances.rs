@@ -60,8 +60,8 @@ struct OpenPart {
     stalls: u32,
 }
 
-/// The result for one time interval: a bound for every undecided pair, and the nearest piece with its time.
-type PartBounds = Vec<(f64, Option<[f64; 2]>)>;
+/// The result for an undecided pair in one time interval: a bound, and the nearest piece with its time.
+type PartBound = (f64, Option<[f64; 2]>);
 
 /// The problem, for all time intervals.
 struct ClearanceSearch<'s> {
@@ -216,6 +216,73 @@ fn refuse(
     });
 }
 
+impl TimeSpan {
+    /// Both halves, if anything is undecided in them.
+    fn halves(&self, rest: Vec<OpenPart>) -> Vec<TimeSpan> {
+        if rest.is_empty() {
+            return Vec::new();
+        }
+        let [from, until] = self.ends;
+        let middle = 0.5 * from + 0.5 * until;
+        let half = |ends| TimeSpan {
+            ends,
+            near: self.near.clone(),
+            open: rest.clone(),
+        };
+        vec![half([from, middle]), half([middle, until])]
+    }
+}
+
+/// Takes over the pieces that are nearer than those known so far.
+fn note_nearest<'l>(
+    open: &[OpenPart],
+    looks: impl Iterator<Item = &'l PartBound>,
+    found: &mut [PieceClearance],
+) {
+    for (OpenPart { part, .. }, (_, piece)) in open.iter().zip(looks) {
+        let pair = &mut found[*part];
+        if let Some([distance, time]) = piece
+            && *distance < pair.found
+        {
+            (pair.found, pair.time) = (*distance, *time);
+        }
+    }
+}
+
+/// Keeps the bounds that are close enough or gain too little by halving; returns the pairs that stay undecided.
+fn settle(
+    open: &[OpenPart],
+    looks: &[PartBound],
+    found: &mut [PieceClearance],
+    tolerance: f64,
+    is_last: bool,
+) -> Vec<OpenPart> {
+    let mut rest = Vec::new();
+    for (open, (lowest, _)) in open.iter().zip(looks) {
+        let (pair, lowest) = (&mut found[open.part], lowest.max(open.known));
+        let missing = wanted_bound(pair, tolerance) - lowest;
+        let stalls = match lowest - open.known < STALLED * missing {
+            true => open.stalls + 1,
+            false => 0,
+        };
+        // Where the verdict is open a single halving that gains little is no reason to stop.
+        let most = match lowest < pair.minimum {
+            true => MOST_STALLS,
+            false => 0,
+        };
+        if missing <= 0.0 || is_last || stalls > most {
+            pair.bound = pair.bound.min(lowest);
+        } else {
+            rest.push(OpenPart {
+                known: lowest,
+                stalls,
+                ..*open
+            });
+        }
+    }
+    rest
+}
+
 impl ClearanceSearch<'_> {
     /// Examines all open time intervals; returns those to be halved.
     fn round(
@@ -234,77 +301,40 @@ impl ClearanceSearch<'_> {
         let results = share_work(open.len(), threads, make, work);
         // The nearest pieces of all intervals come first: they determine which bounds are close enough.
         for (index, result) in &results {
-            for (OpenPart { part, .. }, (_, piece)) in
-                open[*index].open.iter().zip(result.iter().flatten())
-            {
-                if let Some([distance, time]) = piece
-                    && *distance < found[*part].found
-                {
-                    (found[*part].found, found[*part].time) = (*distance, *time);
-                }
-            }
+            let looks = result.iter().flatten();
+            note_nearest(&open[*index].open, looks, found);
         }
         let mut halves = Vec::new();
         for (index, result) in results {
             let stretch = &open[index];
-            let mut rest = Vec::new();
-            match result {
-                // What was proved of the whole interval holds for its halves.
+            let rest = match result {
                 Err(BandObstacle::Interrupted) => {
-                    for OpenPart { part, known, .. } in &stretch.open {
-                        match known.is_finite() {
-                            true => found[*part].bound = found[*part].bound.min(*known),
-                            false => refuse(
-                                &mut found[*part],
-                                self.plan,
-                                stretch.ends,
-                                BandObstacle::Interrupted,
-                            ),
-                        }
-                    }
+                    self.keep_interrupted(stretch, found);
+                    continue;
                 }
                 Err(obstacle) if is_last => {
                     for OpenPart { part, .. } in &stretch.open {
                         refuse(&mut found[*part], self.plan, stretch.ends, obstacle);
                     }
+                    continue;
                 }
-                Err(_) => rest.clone_from(&stretch.open),
-                Ok(looks) => {
-                    for (open, (lowest, _)) in stretch.open.iter().zip(looks) {
-                        let (pair, lowest) = (&mut found[open.part], lowest.max(open.known));
-                        let missing = wanted_bound(pair, tolerance) - lowest;
-                        let stalls = match lowest - open.known < STALLED * missing {
-                            true => open.stalls + 1,
-                            false => 0,
-                        };
-                        // Where the verdict is open a single halving that gains little is no reason to stop.
-                        let most = match lowest < pair.minimum {
-                            true => MOST_STALLS,
-                            false => 0,
-                        };
-                        if missing <= 0.0 || is_last || stalls > most {
-                            pair.bound = pair.bound.min(lowest);
-                        } else {
-                            rest.push(OpenPart {
-                                known: lowest,
-                                stalls,
-                                ..*open
-                            });
-                        }
-                    }
-                }
-            }
-            if !rest.is_empty() {
-                let [from, until] = stretch.ends;
-                let middle = 0.5 * from + 0.5 * until;
-                halves.extend([[from, middle], [middle, until]].map(|ends| TimeSpan {
-                    ends,
-                    near: stretch.near.clone(),
-                    open: rest.clone(),
-                }));
-            }
+                Err(_) => stretch.open.clone(),
+                Ok(looks) => settle(&stretch.open, &looks, found, tolerance, is_last),
+            };
+            halves.extend(stretch.halves(rest));
         }
         halves
+    }
+
+    /// What was proved of a whole interval holds for its halves, even if they are not examined any more.
+    fn keep_interrupted(&self, stretch: &TimeSpan, found: &mut [PieceClearance]) {
+        for OpenPart { part, known, .. } in &stretch.open {
+            let pair = &mut found[*part];
+            match known.is_finite() {
+                true => pair.bound = pair.bound.min(*known),
+                false => refuse(pair, self.plan, stretch.ends, BandObstacle::Interrupted),
+            }
+        }
     }
 
     fn examine(
@@ -312,7 +342,7 @@ impl ClearanceSearch<'_> {
         space: &mut EnclosureSpace,
         stretch: &TimeSpan,
         goals: &[f64],
-    ) -> Result<PartBounds, BandObstacle> {
+    ) -> Result<Vec<PartBound>, BandObstacle> {
         let EnclosureSpace { solver, rooms } = space;
         let [work, kept] = rooms;
         let [from, until] = stretch.ends;
@@ -340,7 +370,7 @@ impl ClearanceSearch<'_> {
         goals: &[f64],
         enclosure: &PoseEnclosure,
         tolerances: &[ToleranceInterval],
-    ) -> PartBounds {
+    ) -> Vec<PartBound> {
         let mechanism = self.plan.family.mechanism();
         let observer = Observer::new(enclosure, mechanism, &self.used);
         let view = PieceView::new(observer, mechanism, &self.used);

@@ -47,9 +47,7 @@ pub(super) fn taken_number<'r>(
         // The positive share of a polyline has a kink where a value is zero.
         Taking::Positive => unknown(),
         Taking::Chord => match second {
-            Some(second) => {
-                chord_deviation(first, second).map_or_else(unknown, |(length, _)| length)
-            }
+            Some(second) => chord(first, second).map_or_else(unknown, |(length, _)| length),
             None => unknown(),
         },
         Taking::Bow => match second {
@@ -110,10 +108,7 @@ fn power_norm<'r>(values: &[Tracked<'r>], power: f64) -> Tracked<'r> {
 }
 
 /// Distance from the first to the last point of a path, and the vector.
-fn chord_deviation<'r>(
-    x: &[Tracked<'r>],
-    y: &[Tracked<'r>],
-) -> Option<(Tracked<'r>, [Tracked<'r>; 2])> {
+fn chord<'r>(x: &[Tracked<'r>], y: &[Tracked<'r>]) -> Option<(Tracked<'r>, [Tracked<'r>; 2])> {
     match (x, y) {
         ([a, .., b], [c, .., d]) => {
             let (along, up) = (b.minus(a), d.minus(c));
@@ -125,7 +120,7 @@ fn chord_deviation<'r>(
 
 /// Signed distance from the chord to the point farthest from it.
 fn bow_height<'r>(x: &[Tracked<'r>], y: &[Tracked<'r>]) -> Option<Tracked<'r>> {
-    let (length, [a, b]) = chord_deviation(x, y)?;
+    let (length, [a, b]) = chord(x, y)?;
     let distance = |k: usize| {
         let across = y[k].minus(&y[0]).times(&a);
         let along = x[k].minus(&x[0]).times(&b);

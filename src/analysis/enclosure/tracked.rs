@@ -1,6 +1,7 @@
 //! Numbers with their derivatives by the dimensions, from which measures are computed.
 
 use crate::numbers::affine_form::AffineForm;
+use crate::numbers::form_sum::SummedForm;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
 

@@ -6,7 +6,7 @@
 
 use super::curvature::Curvature;
 use super::minimax_problem::{largest_value, merit_value};
-use super::minimax_step::{MinimaxPoint, trust_unit};
+use super::minimax_step::{MinimaxPoint, MinimaxStep, trust_unit};
 use super::{Minimum, StopReason, VariableBounds};
 use nalgebra::DVector;
 use std::collections::VecDeque;
@@ -51,124 +51,219 @@ pub fn minimise_largest(
     bounds: &VariableBounds,
     search: MinimaxSearch,
 ) -> Minimum {
-    let mut x = start.to_vec();
-    bounds.clamp(&mut x);
     let mut result = Minimum {
-        x: x.clone(),
+        x: start.to_vec(),
         value: f64::INFINITY,
         iterations: 0,
         evaluations: 0,
         gradients: 1,
         ended: StopReason::Stalled,
     };
-    let Some((mut peak_values, mut peak_gradients)) = problem.gradients_at(&x) else {
+    bounds.clamp(&mut result.x);
+    let Some((values, gradients)) = problem.gradients_at(&result.x) else {
         return result;
     };
     // Exact penalty: the weight of the constraints is so large that violating one never pays.
-    let weight = WEIGHT
-        * trust_unit(
-            merit_value(&peak_values, 0.0),
-            &peak_gradients,
-            scales,
-            search.radius,
-        );
-    let mut curvature = Curvature::none(x.len());
-    let mut radius = search.radius;
-    let mut accepted = 0;
-    let mut edges: VecDeque<TrustEdge> = VecDeque::new();
-    result.ended = loop {
-        if result.iterations >= search.iterations {
-            break StopReason::OutOfBudget;
-        }
-        if radius < search.smallest_radius {
-            break StopReason::Converged;
-        }
-        if problem.is_stopped() {
-            break StopReason::Stopped;
-        }
-        result.iterations += 1;
-        // The model: linear peaks and constraints, the learnt curvature, and the edges found so far.
-        let place = MinimaxPoint {
-            x: &x,
-            edges: &edges,
-            gradients: &peak_gradients,
-            curvature: &curvature,
-            scales,
-            bounds,
-            weight,
-            unit: trust_unit(
-                merit_value(&peak_values, weight),
-                &peak_gradients,
-                scales,
-                radius,
-            ),
-        };
-        let here = merit_value(&peak_values, weight);
-        let Some(step) = place.step(&peak_values, radius) else {
-            radius *= SHRINK;
-            continue;
-        };
-        // The predicted decrease; below the tolerance nothing is left to gain.
-        let promise = here - step.merit;
-        if promise <= search.tolerance * here.abs() {
-            break StopReason::Converged;
-        }
-        result.evaluations += 1;
-        let gain = |there: &Option<PeakValues>| match there {
-            Some(there) => (here - merit_value(there, weight)) / promise,
-            None => f64::NEG_INFINITY,
-        };
-        let there = problem.values_at(&step.x);
-        // Second-order correction: if the step disappoints, the curvature of the constraints is taken into account.
-        let (mut next, mut gained) = (step.x.clone(), gain(&there));
-        if problem.is_stopped() {
-            break StopReason::Stopped;
-        }
-        if let Some(there) = there.filter(|_| gained < GOOD)
-            && let Some(other) = place.step(&place.corrected_values(&next, &there), radius)
-        {
-            result.evaluations += 1;
-            let corrected = gain(&problem.values_at(&other.x));
-            if corrected > gained {
-                (next, gained) = (other.x, corrected);
-            }
-        }
-        if gained > TAKEN {
-            result.gradients += 1;
-            let Some((new_values, new_gradients)) = problem.gradients_at(&next) else {
-                // No gradient there: the edge of the region in which the mechanism can be assembled. It is kept as a
-                // cut.
-                edges.extend(problem.edge(&next));
-                if edges.len() > MOST_EDGES {
-                    edges.pop_front();
-                }
-                radius *= SHRINK;
-                continue;
-            };
-            // BFGS on the Lagrangian, with the multipliers of this step.
-            // What bends the peak by itself is known; only the rest is learnt.
-            let moved = (0..x.len()).map(|k| (next[k] - x[k]) / scales[k]);
-            let moved = DVector::from_iterator(x.len(), moved);
-            let gradient =
-                |peak_gradients: &PeakGradients| step.lagrangian_gradient(peak_gradients, scales);
-            let change = gradient(&new_gradients) - gradient(&peak_gradients);
-            let known = peak_gradients.scaled_bend(scales) * &moved;
-            curvature.damped_update(&moved, change - known);
-            (peak_values, peak_gradients) = (new_values, new_gradients);
-            x = next;
-            accepted += 1;
-            if !problem.progress(accepted, &x, largest_value(&peak_values.peaks)) {
-                break StopReason::Stopped;
-            }
-        }
-        // Trust region: larger if the model is accurate, smaller if not.
-        if gained > GOOD {
-            radius *= GROW;
-        } else if gained < POOR {
-            radius *= SHRINK;
+    let unit = trust_unit(merit_value(&values, 0.0), &gradients, scales, search.radius);
+    let mut state = MinimaxState {
+        problem,
+        scales,
+        bounds,
+        search,
+        weight: WEIGHT * unit,
+        values,
+        gradients,
+        curvature: Curvature::none(start.len()),
+        edges: VecDeque::new(),
+        radius: search.radius,
+        accepted: 0,
+        result,
+    };
+    let ended = loop {
+        if let Some(reason) = state.advance() {
+            break reason;
         }
     };
-    result.value = largest_value(&peak_values.peaks);
-    result.x = x;
-    result
+    Minimum {
+        value: largest_value(&state.values.peaks),
+        ended,
+        ..state.result
+    }
+}
+
+/// A search on its way.
+struct MinimaxState<'s> {
+    problem: &'s mut dyn MinimaxProblem,
+    scales: &'s [f64],
+    bounds: &'s VariableBounds,
+    search: MinimaxSearch,
+    /// What violating a constraint costs.
+    weight: f64,
+    /// At the best point so far.
+    values: PeakValues,
+    gradients: PeakGradients,
+    curvature: Curvature,
+    /// The edges found so far.
+    edges: VecDeque<TrustEdge>,
+    radius: f64,
+    /// Number of accepted steps.
+    accepted: usize,
+    /// The best point so far, and what was spent on it.
+    result: Minimum,
+}
+
+/// A step of the model, before it is tried.
+struct Forecast {
+    step: MinimaxStep,
+    /// The merit where it begins.
+    here: f64,
+    /// The predicted decrease.
+    promise: f64,
+    /// The unit of the programme.
+    unit: f64,
+    weight: f64,
+}
+
+impl Forecast {
+    /// The decrease at a point, as a fraction of the predicted one.
+    fn gain(&self, there: Option<&PeakValues>) -> f64 {
+        match there {
+            Some(there) => (self.here - merit_value(there, self.weight)) / self.promise,
+            None => f64::NEG_INFINITY,
+        }
+    }
+}
+
+impl MinimaxState<'_> {
+    /// One step, accepted or not; the reason why the search ends, if it does.
+    fn advance(&mut self) -> Option<StopReason> {
+        if let Some(reason) = self.reason_to_end() {
+            return Some(reason);
+        }
+        self.result.iterations += 1;
+        let here = merit_value(&self.values, self.weight);
+        let unit = trust_unit(here, &self.gradients, self.scales, self.radius);
+        let Some(step) = self.model(unit).step(&self.values, self.radius) else {
+            self.radius *= SHRINK;
+            return None;
+        };
+        let forecast = Forecast {
+            here,
+            promise: here - step.merit,
+            unit,
+            weight: self.weight,
+            step,
+        };
+        // Below the tolerance nothing is left to gain.
+        if forecast.promise <= self.search.tolerance * here.abs() {
+            return Some(StopReason::Converged);
+        }
+        let Some((next, gained)) = self.trial_step(&forecast) else {
+            return Some(StopReason::Stopped);
+        };
+        if gained > TAKEN {
+            self.result.gradients += 1;
+            let Some(there) = self.problem.gradients_at(&next) else {
+                self.cut_off(&next);
+                return None;
+            };
+            if !self.take(next, there, &forecast.step) {
+                return Some(StopReason::Stopped);
+            }
+        }
+        self.resize(gained);
+        None
+    }
+
+    fn reason_to_end(&self) -> Option<StopReason> {
+        if self.result.iterations >= self.search.iterations {
+            Some(StopReason::OutOfBudget)
+        } else if self.radius < self.search.smallest_radius {
+            Some(StopReason::Converged)
+        } else {
+            self.problem.is_stopped().then_some(StopReason::Stopped)
+        }
+    }
+
+    /// The model: linear peaks and constraints, the learnt curvature, and the edges found so far.
+    fn model(&self, unit: f64) -> MinimaxPoint<'_> {
+        MinimaxPoint {
+            x: &self.result.x,
+            edges: &self.edges,
+            gradients: &self.gradients,
+            curvature: &self.curvature,
+            scales: self.scales,
+            bounds: self.bounds,
+            weight: self.weight,
+            unit,
+        }
+    }
+
+    /// Tries a step; if it disappoints, one that takes the curvature of the constraints into account as well
+    /// (second-order correction). The better of them and the fraction of the predicted decrease that it achieves; `None`
+    /// if the search is to end.
+    fn trial_step(&mut self, forecast: &Forecast) -> Option<(Vec<f64>, f64)> {
+        self.result.evaluations += 1;
+        let next = &forecast.step.x;
+        let there = self.problem.values_at(next);
+        let gained = forecast.gain(there.as_ref());
+        if self.problem.is_stopped() {
+            return None;
+        }
+        let disappointing = there.filter(|_| gained < GOOD);
+        let other = disappointing.and_then(|there| {
+            let model = self.model(forecast.unit);
+            model.step(&model.corrected_values(next, &there), self.radius)
+        });
+        if let Some(other) = other {
+            self.result.evaluations += 1;
+            let corrected = forecast.gain(self.problem.values_at(&other.x).as_ref());
+            if corrected > gained {
+                return Some((other.x, corrected));
+            }
+        }
+        Some((next.clone(), gained))
+    }
+
+    /// Without a gradient at a point: that is the edge of the region in which the mechanism can be assembled. It is kept
+    /// as a cut.
+    fn cut_off(&mut self, next: &[f64]) {
+        self.edges.extend(self.problem.edge(next));
+        if self.edges.len() > MOST_EDGES {
+            self.edges.pop_front();
+        }
+        self.radius *= SHRINK;
+    }
+
+    /// Goes to a point and learns the curvature on the way there: BFGS on the Lagrangian, with the multipliers of the
+    /// step. False if the search is to end.
+    fn take(
+        &mut self,
+        next: Vec<f64>,
+        (new_values, new_gradients): (PeakValues, PeakGradients),
+        step: &MinimaxStep,
+    ) -> bool {
+        let (x, scales) = (&self.result.x, self.scales);
+        let moved = (0..x.len()).map(|k| (next[k] - x[k]) / scales[k]);
+        let moved = DVector::from_iterator(x.len(), moved);
+        let gradient = |gradients: &PeakGradients| step.lagrangian_gradient(gradients, scales);
+        let change = gradient(&new_gradients) - gradient(&self.gradients);
+        // What bends the peak by itself is known; only the rest is learnt.
+        let known = self.gradients.scaled_bend(scales) * &moved;
+        self.curvature.damped_update(&moved, change - known);
+        (self.values, self.gradients) = (new_values, new_gradients);
+        self.result.x = next;
+        self.accepted += 1;
+        let value = largest_value(&self.values.peaks);
+        self.problem.progress(self.accepted, &self.result.x, value)
+    }
+
+    /// The trust region grows if the model is accurate, and shrinks if not.
+    fn resize(&mut self, gained: f64) {
+        if gained > GOOD {
+            self.radius *= GROW;
+        } else if gained < POOR {
+            self.radius *= SHRINK;
+        }
+    }
 }

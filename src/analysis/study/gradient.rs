@@ -6,6 +6,7 @@ use super::slopes::MeasureSlopes;
 use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::jobs;
 use crate::kinematics::loops::observed::dependencies;
+use crate::kinematics::measures::reduce::Reduced;
 use crate::kinematics::measures::values_along;
 use crate::model::expression::Expression;
 use crate::model::measure::MeasureSource;
@@ -121,21 +122,8 @@ impl Evaluator<'_> {
                 (MeasureSource::Formula(formula), _) => {
                     chain_rule(formula, &numbers, &rows, &mut row)
                 }
-                (MeasureSource::Over { track, of, per, .. }, Some(reduced)) => {
-                    let poses = self.family.poses_of(*track);
-                    for (formula, weights) in of.iter().zip(&reduced.weights) {
-                        for (pose, weight) in poses.clone().zip(weights) {
-                            if *weight == 0.0 {
-                                continue;
-                            }
-                            match &changes[pose] {
-                                Some(known) => {
-                                    known.add(formula, *per, &shown[pose], *weight, &mut row)
-                                }
-                                None => row.fill(f64::NAN),
-                            }
-                        }
-                    }
+                (source, Some(reduced)) => {
+                    self.add_reduction(source, reduced, (&changes, &shown), &mut row)
                 }
                 _ => {}
             }
@@ -144,6 +132,31 @@ impl Evaluator<'_> {
         let first = self.family.mechanism().inputs.len();
         let (measures, rows) = (numbers[first..].to_vec(), rows.split_off(first));
         Ok(Gradients { measures, rows })
+    }
+
+    /// Adds the derivatives of a measure over a track; NaN where a pose that counts has none.
+    fn add_reduction(
+        &self,
+        source: &MeasureSource,
+        reduced: &Reduced,
+        (changes, shown): (&[Option<Changes>], &[ShownMeasure]),
+        row: &mut [f64],
+    ) {
+        let MeasureSource::Over { track, of, per, .. } = source else {
+            return;
+        };
+        let poses = self.family.poses_of(*track);
+        for (formula, weights) in of.iter().zip(&reduced.weights) {
+            for (pose, weight) in poses.clone().zip(weights) {
+                if *weight == 0.0 {
+                    continue;
+                }
+                match &changes[pose] {
+                    Some(known) => known.add(formula, *per, &shown[pose], *weight, row),
+                    None => row.fill(f64::NAN),
+                }
+            }
+        }
     }
 
     /// Derivatives of the quantities `shown` of every pose by the variables; NaN for those of unknowns at singular poses.

@@ -17,7 +17,7 @@ const SHARE_OF_SIGMA: f64 = 0.1;
 /// If the smallest singular value exceeds this multiple of the allowed minimum, a step does not need its derivative.
 const SLOPES_BELOW: f64 = 4.0;
 
-/// What is made small.
+/// The quantity that is minimised.
 #[derive(Clone, Copy, Debug)]
 enum PeakObjective {
     /// The largest of the first rows.

@@ -2,6 +2,7 @@
 //! with the bounds of `check`.
 
 use super::family_error::FamilyError;
+use crate::clearance::check::ClearanceEffort;
 use crate::clearance::closer::solve_closely;
 use crate::clearance::measured::{BoundedMeasure, is_of_whole_motion, known};
 use crate::kinematics::motion::sampling::{frame_times, knot_times};
@@ -13,9 +14,6 @@ use std::sync::Arc;
 
 /// Violation of a constraint that counts as kept: searches accept a ten-millionth.
 pub const KEPT: f64 = 1e-6;
-
-/// Accuracy of the bounds of distances, as a fraction of them.
-const NEAR: f64 = 1e-3;
 
 /// A limited measure of the drive over the whole motion.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,7 +57,7 @@ pub fn whole_limits(scene: &Scene) -> Result<Vec<WholeLimit>, FamilyError> {
     let reading = InputReading::Numbers;
     let (_, mut motion) = solve_closely(&system, actuation, &times, reading, &|| false);
     let judged = limited.into_iter().map(|(index, measure)| {
-        let found = known(&mut motion, measure, NEAR);
+        let found = known(&mut motion, measure, ClearanceEffort::TOLERANCE);
         let (missed, is_proved) = found.map_or((f64::INFINITY, false), |k| missed(measure, &k));
         WholeLimit {
             measure: index,

@@ -2,10 +2,7 @@
 
 use super::starts::{Rejected, StartOrigin};
 use crate::analysis::optimise::{Minimum, StopReason};
-use crate::analysis::study::Refusals;
-
-/// Accepted violation of a limit, as a fraction of it.
-const KEPT: f64 = 1e-6;
+use crate::analysis::study::{KEPT, Refusals};
 
 /// The result of one start.
 #[derive(Clone, Debug, PartialEq)]

@@ -16,7 +16,7 @@ pub enum From {
     Random,
 }
 
-/// What is asked for.
+/// The settings of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SearchPlan {
     /// Number of starts.

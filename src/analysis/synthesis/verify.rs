@@ -25,9 +25,6 @@ const STEPS: usize = 1440;
 /// Samples of the drive at which distances of bodies are listed; between them they are bounded.
 const CLEARANCE_SAMPLES: usize = 361;
 
-/// Relative nearness of a distance and its bound.
-const CLEARANCE_TOLERANCE: f64 = 1e-3;
-
 /// A cyclic drive has closed if everything returns to within this, in mechanism sizes.
 const CLOSED: f64 = 1e-9;
 
@@ -167,7 +164,7 @@ pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, Fami
             actuation,
             &knot_times(system.mechanism(), actuation, &times),
         );
-        let tolerance = CLEARANCE_TOLERANCE;
+        let tolerance = ClearanceEffort::TOLERANCE;
         let report = check_clearance(
             &system,
             actuation,

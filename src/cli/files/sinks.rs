@@ -111,13 +111,6 @@ impl<'a> OpenFilm<'a> {
         fps: f64,
     ) -> Self {
         let settings = FilmSettings {
-            format,
-            size,
-            count,
-            fps,
-            needed_colours: Vec::new(),
-            at_hand: false,
-            alpha: false,
             quality: args
                 .quality
                 .and_then(Quality::new)
@@ -128,13 +121,12 @@ impl<'a> OpenFilm<'a> {
                 Compression::Small => Effort::Small,
             }),
             dpi: args.dpi,
-            texts: Vec::new(),
-            strip_rows: None,
             chroma: match args.chroma {
                 Some(ChromaArg::C420) => Chroma::Quarter,
                 Some(ChromaArg::C444) | None => Chroma::Full,
             },
             repeat: args.repeat != Some(Repeat::Once),
+            ..FilmSettings::new(format, size, count, fps)
         };
         Self { args, settings }
     }

@@ -12,7 +12,7 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::diag::Source;
 use crate::kinematics::motion::sampling::allow_samples;
-use crate::model::study::Variable;
+use crate::model::study::{RANGE_ROUNDING, Variable};
 use crate::parts::identity::identity;
 use crate::parts::plan::{PartContent, StudyPlan, VERSION};
 use crate::scene::source::open_input;
@@ -206,15 +206,12 @@ fn own_ranges(scene: &Scene) -> Vec<OwnRange> {
     variables.map(range).collect()
 }
 
-/// Relative excess over a range that is accepted: units are converted back and forth.
-const ROUNDING: f64 = 1e-12;
-
 fn refuse_beyond(design: &Design, own: &[OwnRange]) -> Result<(), Failure> {
     for axis in &design.axes {
         let Some(range) = own.iter().find(|range| range.name == axis.name) else {
             continue;
         };
-        let slack = ROUNDING * (range.high - range.low);
+        let slack = RANGE_ROUNDING * (range.high - range.low);
         if axis.low < range.low - slack || axis.high > range.high + slack {
             let message = format!(
                 "the design takes `{}` from {} to {}, and the scene's study allows {} to {}",

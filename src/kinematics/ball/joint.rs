@@ -31,6 +31,9 @@ const NEAR: f64 = 0.064_094_216_849;
 /// size in radians, no more than the rounding of a long chain.
 const UNREADABLE: f64 = 4e-15;
 
+/// Angles whose middle one is so near to a quarter turn, by its cosine, are locked: rates have no digits left there.
+const LOCKED: f64 = 1e-9;
+
 /// A ball joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ball {
@@ -186,7 +189,7 @@ impl Ball {
         let w = Pose::from_axis_rotation(0, -a).rotation * (self.frame.transpose() * turn);
         let (sin, cos) = sin_cos(b + self.mu);
         // The third angle's rate has the pole of gimbal lock.
-        let last = if cos.abs() < 1e-9 {
+        let last = if cos.abs() < LOCKED {
             f64::NAN
         } else {
             w.z / cos

@@ -2,24 +2,15 @@
 
 use crate::numbers::affine_form::AffineForm;
 use crate::numbers::form_room::{FormRoom, pair_count};
+use crate::numbers::form_sum::SummedForm;
 use crate::numbers::quadratic_form::QuadraticForm;
 use crate::numbers::rounding::{GROW, OPERATION};
 use crate::numbers::scalar::Scalar;
 
 /// The number type of enclosures.
-pub trait DimensionForm: Scalar {
+pub trait DimensionForm: Scalar + SummedForm {
     /// Whether it has a second order.
     const BENT: bool;
-
-    /// The sum of products.
-    fn sum_of_products<'f>(terms: impl Iterator<Item = (&'f Self, &'f Self)>) -> Self
-    where
-        Self: 'f;
-
-    /// `start` and the sum of all forms times their factors.
-    fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self
-    where
-        Self: 'f;
 
     /// Change along the first δ; that along all others is zero.
     fn slopes(&self) -> &[f64];
@@ -64,20 +55,6 @@ pub trait StoredForm<'r>: DimensionForm {
 
 impl DimensionForm for AffineForm<'_> {
     const BENT: bool = false;
-
-    fn sum_of_products<'f>(terms: impl Iterator<Item = (&'f Self, &'f Self)>) -> Self
-    where
-        Self: 'f,
-    {
-        Self::sum_of_products(terms)
-    }
-
-    fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self
-    where
-        Self: 'f,
-    {
-        Self::combination(start, terms)
-    }
 
     fn slopes(&self) -> &[f64] {
         Self::slopes(self)
@@ -126,20 +103,6 @@ impl<'r> StoredForm<'r> for AffineForm<'r> {
 
 impl DimensionForm for QuadraticForm<'_> {
     const BENT: bool = true;
-
-    fn sum_of_products<'f>(terms: impl Iterator<Item = (&'f Self, &'f Self)>) -> Self
-    where
-        Self: 'f,
-    {
-        Self::sum_of_products(terms)
-    }
-
-    fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self
-    where
-        Self: 'f,
-    {
-        Self::combination(start, terms)
-    }
 
     fn slopes(&self) -> &[f64] {
         self.line.slopes()

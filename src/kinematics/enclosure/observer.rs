@@ -9,6 +9,7 @@ use crate::model::chain::{ArgumentValue, ChainStep};
 use crate::model::mechanism::Mechanism;
 use crate::model::outputs::output_arguments;
 use crate::numbers::affine_form::AffineForm;
+use crate::numbers::form_sum::SummedForm;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::{Ring, Scalar};
 

@@ -24,6 +24,12 @@ use crate::numbers::series::TaylorSeries;
 /// Preference for an unknown that always rotates about the line itself over one that does so only at this pose.
 const IMPURE: f64 = 0.05;
 
+/// How much more the last unknown weighs than the first: enough to decide between equals, and nothing else.
+const LATER: f64 = 1e-3;
+
+/// Sizes above this share of another are equal within rounding.
+const EQUAL: f64 = 1.0 - 1e-9;
+
 /// The idle freedoms of all blocks; a mechanism with other freedoms is rejected.
 pub fn find_idle(system: &System, closed: &Ranks) -> Result<Vec<HeldFreedom>, StructureError> {
     let mechanism = system.mechanism();
@@ -97,7 +103,7 @@ fn of_block(
     // Pivots: the unknowns to hold, preferring those that rotate about the line itself.
     let weight = |j: usize| {
         // Of equals the last one: the first angles of a joint are considered its main ones.
-        let last = 1.0 + 1e-3 * (j as f64 / columns as f64);
+        let last = 1.0 + LATER * (j as f64 / columns as f64);
         if pure[j] { last } else { IMPURE * last }
     };
     let pivots = eliminate_vectors(&mut null, weight);
@@ -176,7 +182,7 @@ fn eliminate_vectors(vectors: &mut [Vec<f64>], weight: impl Fn(usize) -> f64) ->
             for (j, value) in vector.iter().enumerate() {
                 let size = value.abs() / longest * weight(j);
                 // Of equals within rounding the later one.
-                if size > best * (1.0 - 1e-9) && !pivots.contains(&j) {
+                if size > best * EQUAL && !pivots.contains(&j) {
                     (best, pivot, row) = (size.max(best), j, i);
                 }
             }

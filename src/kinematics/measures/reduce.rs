@@ -49,7 +49,7 @@ pub fn reduce_values(
         Taking::Mean => weighted_mean(first, 1.0 / first.len() as f64),
         Taking::Norm => power_norm(first, power),
         Taking::Positive => positive_part(first, times),
-        Taking::Chord => chord_deviation(first, second),
+        Taking::Chord => chord_length(first, second),
         Taking::Bow => bow_height(first, second),
     })
 }
@@ -213,7 +213,7 @@ impl Crossing {
 }
 
 /// Distance from the first to the last point of a path.
-fn chord_deviation(x: &[f64], y: &[f64]) -> Reduced {
+fn chord_length(x: &[f64], y: &[f64]) -> Reduced {
     let last = x.len() - 1;
     let (a, b) = (x[last] - x[0], y[last] - y[0]);
     let length = libm::hypot(a, b);

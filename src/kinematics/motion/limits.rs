@@ -18,6 +18,7 @@ use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
+use crate::numbers::bracket::Bracket;
 
 /// Fewest intervals over the motion that are searched: half a degree of a turn each.
 const INTERVALS: usize = 720;
@@ -251,8 +252,7 @@ impl<'m> LimitSearch<'m> {
         }
     }
 
-    /// Locates the reversal between two samples with rates of opposite signs: false position with halved weights (Illinois),
-    /// and bisection for kinks.
+    /// Locates the reversal between two samples with rates of opposite signs: false position, and bisection for kinks.
     fn between(&mut self, quantity: usize, low: (usize, f64), high: (usize, f64)) {
         let inputs = self.inputs_between(low.0, high.0);
         // What follows the only input reverses with it.
@@ -260,13 +260,13 @@ impl<'m> LimitSearch<'m> {
             return;
         }
         let (first, last) = (self.samples[low.0].time, self.samples[high.0].time);
-        let (mut a, mut fa, mut b, mut fb) = (first, low.1, last, high.1);
+        let mut bracket = Bracket::new([first, low.1], [last, high.1]);
         let mut best: Option<(f64, Vec<f64>)> = None;
         let mut vanishes = false;
-        let mut moved_low = None;
         for step in 0..STEPS {
             // Three secants, then a bisection, which always shrinks the bracket.
-            let secant = a + (b - a) * (fa / (fa - fb));
+            let [a, b] = bracket.ends;
+            let secant = bracket.at(bracket.secant_share());
             let time = if step % 4 < 3 && secant > a && secant < b {
                 secant
             } else {
@@ -281,17 +281,7 @@ impl<'m> LimitSearch<'m> {
             if !rate.is_finite() || rate == 0.0 || (b - a) <= WIDTH * (last - first).max(b.abs()) {
                 break;
             }
-            // An end that stays for the second time counts half, so that the next secant passes the zero.
-            let is_low = rate * fa > 0.0;
-            let share = if moved_low.replace(is_low) == Some(is_low) {
-                0.5
-            } else {
-                1.0
-            };
-            match is_low {
-                true => (a, fa, fb) = (time, rate, share * fb),
-                false => (b, fb, fa) = (time, rate, share * fa),
-            }
+            bracket.replace(bracket.is_low(rate), time, rate);
         }
         if let Some((time, coordinates)) = best
             && !(inputs == InputsBetween::AllReverse && self.turns_at(time, last - first))

@@ -1,6 +1,6 @@
 //! The sampling times of a drive. Times are computed from their index, never summed up.
 
-use crate::kinematics::results::trajectory::{Sample, Trajectory};
+use crate::kinematics::results::trajectory::{SAME_INPUT, Sample, Trajectory};
 use crate::limits::{LimitExceeded, Resource, allow_memory, current_limits};
 use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
@@ -30,9 +30,6 @@ pub fn allow_samples(mechanism: &Mechanism, count: usize) -> Result<(), LimitExc
     let kept = numbers + (count * NUMBERS_OF_SAMPLE) as f64;
     allow_memory(kept * std::mem::size_of::<f64>() as f64, &who)
 }
-
-/// Inputs that agree within this (relative to the size, or radians) count as the same pose.
-const SAME_INPUT: f64 = 1e-9;
 
 /// Times nearer than this (relative to the duration) are one.
 const SAME_TIME: f64 = 1e-12;

@@ -38,6 +38,9 @@ pub struct ClosedPose {
     pub iterations: u32,
 }
 
+/// Inputs that agree within this (relative to the size, or radians) are the same: they differ by rounding.
+pub const SAME_INPUT: f64 = 1e-9;
+
 /// One instant of the drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {

@@ -1,6 +1,5 @@
 //! One block's equations with time as an additional unknown: residual, Jacobian, and the derivative along the drive.
 
-use super::linearisation::REFINEMENTS;
 use super::newton::Corrector;
 use crate::kinematics::structure::system::System;
 
@@ -28,15 +27,7 @@ impl Corrector {
         let mechanism = system.mechanism();
         let blocks = &system.structure().blocks;
         // Rates of the blocks before this one follow from the drive.
-        for (block, buffers) in blocks.iter().zip(&mut self.blocks).take(index) {
-            buffers.linearise(mechanism, block, coordinates);
-            buffers.workspace.drift_along(&block.plan, rates);
-            buffers.solve_drift();
-            buffers.refine(REFINEMENTS);
-            for (unknown, change) in buffers.changes(block) {
-                rates[unknown] = change;
-            }
-        }
+        self.tangent_before(system, index, coordinates, rates);
         let (block, buffers) = (&blocks[index], &mut self.blocks[index]);
         buffers.evaluate(mechanism, block, coordinates);
         buffers.workspace.drift_along(&block.plan, rates);

@@ -21,6 +21,13 @@ const HAND_OVER: f64 = 1e-7;
 /// Damping starts small, so that a good start converges like Newton's method from the first step.
 const FIRST_DAMPING: f64 = 1e-3;
 
+/// Its factors after a step that helps and after one that does not, ...
+const CLOSER: f64 = 0.1;
+const STEEPER: f64 = 8.0;
+
+/// ... and the least of it: below that it is lost beside the equations.
+const LEAST_DAMPING: f64 = 1e-15;
+
 /// Damping at which no step reduces the residual any more: a local minimum.
 const LAST_DAMPING: f64 = 1e10;
 
@@ -118,11 +125,11 @@ impl Descent {
                 // Accepted: closer to Gauss-Newton. Rejected: back, and closer to steepest descent.
                 std::mem::swap(&mut self.workspace, &mut self.trial);
                 value = trial_value;
-                damping = (damping * 0.1).max(1e-15);
+                damping = (damping * CLOSER).max(LEAST_DAMPING);
             } else {
                 let pairs = block.unknowns.iter().zip(&self.before);
                 pairs.for_each(|(slot, value)| coordinates[*slot] = *value);
-                damping *= 8.0;
+                damping *= STEEPER;
             }
         }
         (iterations, self.workspace.residual_norm())

@@ -155,9 +155,20 @@ impl Corrector {
     ///
     /// `rates` holds the inputs' rates in its tail; the head is filled block by block from J q' = -∂r/∂u u'.
     pub fn tangent(&mut self, system: &System, coordinates: &[f64], rates: &mut [f64]) {
+        self.tangent_before(system, self.blocks.len(), coordinates, rates);
+    }
+
+    /// The same for the first `count` blocks.
+    pub(super) fn tangent_before(
+        &mut self,
+        system: &System,
+        count: usize,
+        coordinates: &[f64],
+        rates: &mut [f64],
+    ) {
         let mechanism = system.mechanism();
-        let structure = system.structure();
-        for (block, buffers) in structure.blocks.iter().zip(&mut self.blocks) {
+        let blocks = &system.structure().blocks;
+        for (block, buffers) in blocks.iter().zip(&mut self.blocks).take(count) {
             buffers.linearise(mechanism, block, coordinates);
             // Right-hand side: the effect of the inputs and earlier blocks on this block's equations.
             buffers.workspace.drift_along(&block.plan, rates);

@@ -3,6 +3,7 @@
 use super::AffineForm;
 use super::sum::AffineSum;
 use crate::numbers::constant::Constant;
+use crate::numbers::form_sum::{FormSum, SummedForm};
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::{GROW, OPERATION, UNDERFLOW};
 use crate::numbers::scalar::{Ring, Scalar};

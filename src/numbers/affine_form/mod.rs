@@ -247,6 +247,7 @@ impl PartialEq for AffineForm<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numbers::form_sum::SummedForm;
     use crate::numbers::scalar::Ring;
 
     type Form<'r> = AffineForm<'r>;

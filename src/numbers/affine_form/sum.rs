@@ -2,6 +2,7 @@
 
 use super::{AffineForm, add_list};
 use crate::numbers::form_room::FormRoom;
+use crate::numbers::form_sum::{FormSum, SummedForm};
 use crate::numbers::rounding::{GROW, OPERATION, UNDERFLOW};
 
 /// Rounding of an addition to an error, generously.
@@ -19,17 +20,6 @@ pub struct AffineSum<'r> {
 }
 
 impl<'r> AffineSum<'r> {
-    pub fn new(start: f64) -> Self {
-        Self {
-            value: start,
-            error: 0.0,
-            slopes: Vec::new(),
-            room: None,
-            count: 1.0,
-            size: start.abs(),
-        }
-    }
-
     /// Where the result is kept.
     pub fn room(&self) -> Option<&'r FormRoom> {
         self.room
@@ -46,8 +36,36 @@ impl<'r> AffineSum<'r> {
         self.size += size;
     }
 
-    /// Adds `factor` times `b`.
-    pub fn add_scaled(&mut self, factor: f64, b: &AffineForm<'r>) {
+    /// Adds value and slopes of a product.
+    pub fn add_line(&mut self, a: &AffineForm<'r>, b: &AffineForm<'r>) {
+        self.value += a.value * b.value;
+        self.add_slopes(a.value, b);
+        self.add_slopes(b.value, a);
+    }
+
+    fn add_slopes(&mut self, factor: f64, b: &AffineForm<'r>) {
+        if self.slopes.capacity() == 0 {
+            self.slopes = b.blank();
+        }
+        add_list(&mut self.slopes, factor, b.slopes);
+    }
+}
+
+impl<'r> FormSum for AffineSum<'r> {
+    type Form = AffineForm<'r>;
+
+    fn new(start: f64) -> Self {
+        Self {
+            value: start,
+            error: 0.0,
+            slopes: Vec::new(),
+            room: None,
+            count: 1.0,
+            size: start.abs(),
+        }
+    }
+
+    fn add_scaled(&mut self, factor: f64, b: &AffineForm<'r>) {
         self.note_room(b);
         if factor == 0.0 || b.is_zero() {
             // An unknown number stays unknown.
@@ -60,8 +78,7 @@ impl<'r> AffineSum<'r> {
         self.error += factor.abs() * b.error;
     }
 
-    /// Adds a product.
-    pub fn add_product(&mut self, a: &AffineForm<'r>, b: &AffineForm<'r>) {
+    fn add_product(&mut self, a: &AffineForm<'r>, b: &AffineForm<'r>) {
         for (number, other) in [(a, b), (b, a)] {
             if number.is_number() {
                 return self.add_scaled(number.value, other);
@@ -78,22 +95,7 @@ impl<'r> AffineSum<'r> {
         self.count(3.0, (u + a.radius) * (v + b.radius));
     }
 
-    /// Adds value and slopes of a product.
-    pub fn add_line(&mut self, a: &AffineForm<'r>, b: &AffineForm<'r>) {
-        self.value += a.value * b.value;
-        self.add_slopes(a.value, b);
-        self.add_slopes(b.value, a);
-    }
-
-    fn add_slopes(&mut self, factor: f64, b: &AffineForm<'r>) {
-        if self.slopes.capacity() == 0 {
-            self.slopes = b.blank();
-        }
-        add_list(&mut self.slopes, factor, b.slopes);
-    }
-
-    /// The sum with all its roundings.
-    pub fn finish(self) -> AffineForm<'r> {
+    fn finish(self) -> AffineForm<'r> {
         let (count, mut error) = (self.count, self.error);
         // A sum of products loses at most this many roundings of the sum of their magnitudes; errors are summed with as
         // many roundings.
@@ -105,30 +107,6 @@ impl<'r> AffineSum<'r> {
     }
 }
 
-impl<'r> AffineForm<'r> {
-    /// Adds `factor` times `b`.
-    #[inline]
-    pub fn add_scaled(&mut self, factor: f64, b: &Self) {
-        *self = Self::combination(0.0, [(1.0, &*self), (factor, b)].into_iter());
-    }
-
-    /// `start` and the sum of all forms times their factors, rounded as a whole.
-    pub fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self
-    where
-        'r: 'f,
-    {
-        let mut sum = AffineSum::new(start);
-        terms.for_each(|(factor, form)| sum.add_scaled(factor, form));
-        sum.finish()
-    }
-
-    /// The sum of products, rounded as a whole.
-    pub fn sum_of_products<'f>(terms: impl Iterator<Item = (&'f Self, &'f Self)>) -> Self
-    where
-        'r: 'f,
-    {
-        let mut sum = AffineSum::new(0.0);
-        terms.for_each(|(a, b)| sum.add_product(a, b));
-        sum.finish()
-    }
+impl<'r> SummedForm for AffineForm<'r> {
+    type Sum = AffineSum<'r>;
 }

@@ -1,7 +1,7 @@
 //! Functions of constants, to 28 digits: a first value from `libm`, of which only half the digits must be right, and
 //! one step of Newton's method or a series.
 
-use super::Constant;
+use super::{Constant, LEADING};
 use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::rounding::{LONG_FUNCTION, LONG_OPERATION, SMALLEST};
 use crate::numbers::scalar::{Ring, Scalar};
@@ -97,7 +97,7 @@ impl Scalar for Constant {
     }
 
     fn is_below_zero(self) -> Option<bool> {
-        let least = self.value.hi.abs() * (1.0 - 1e-15);
+        let least = self.value.hi.abs() * LEADING;
         (self.is_zero() || least > self.error).then_some(self.value.hi < 0.0)
     }
 
@@ -123,7 +123,7 @@ impl Scalar for Constant {
     }
 
     fn ln(self) -> Self {
-        let least = self.value.hi * (1.0 - 1e-15) - self.error;
+        let least = self.value.hi * LEADING - self.error;
         if least.is_nan() || least <= 0.0 {
             return Self::UNDEFINED;
         }

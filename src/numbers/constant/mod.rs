@@ -11,6 +11,10 @@ use super::double_double::DoubleDouble;
 use super::rounding::{GROW, LONG_OPERATION, SMALLEST, of_decimal};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+/// What remains of the leading part of a number if the other part has the opposite sign: that is less than a unit in its last
+/// place.
+const LEADING: f64 = 1.0 - 1e-15;
+
 /// A constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Constant {
@@ -95,11 +99,13 @@ impl Constant {
     pub fn quarter_turns(self) -> Option<i64> {
         /// More turns than a scene has; the error stays far below one.
         const MOST: f64 = 1e9;
+        /// The error of an angle that is known to far more digits than an f64 has.
+        const QUARTER_KNOWN: f64 = 1e-18;
         let quarters = self / (Self::PI / Self::exact(2.0));
         let whole = quarters.number().round();
         let off = quarters - Self::exact(whole);
         let is_whole = off.number().abs() <= off.error() && whole.abs() < MOST;
-        (is_whole && off.error() < 1e-18).then_some(whole as i64)
+        (is_whole && off.error() < QUARTER_KNOWN).then_some(whole as i64)
     }
 
     /// Bound on its magnitude, including its error.
@@ -173,7 +179,7 @@ impl Mul for Constant {
 impl Div for Constant {
     type Output = Self;
     fn div(self, b: Self) -> Self {
-        let least = b.value.hi.abs() * (1.0 - 1e-15) - b.error;
+        let least = b.value.hi.abs() * LEADING - b.error;
         if least.is_nan() || least <= 0.0 {
             return Self::exact(f64::NAN);
         }

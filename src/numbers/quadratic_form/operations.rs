@@ -3,6 +3,7 @@
 use super::QuadraticForm;
 use crate::numbers::affine_form::AffineForm;
 use crate::numbers::constant::Constant;
+use crate::numbers::form_sum::SummedForm;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::{GROW, OPERATION};
 use crate::numbers::scalar::{Ring, Scalar};

@@ -4,30 +4,62 @@ use super::{OF_PRODUCT, QuadraticForm};
 use crate::numbers::affine_form::sum::AffineSum;
 use crate::numbers::affine_form::{AffineForm, add_list};
 use crate::numbers::form_room::pair_count;
+use crate::numbers::form_sum::{FormSum, SummedForm};
 use crate::numbers::rounding::UNDERFLOW;
 
 /// A value below this share of a form's slopes does not multiply second-order coefficients one by one.
 const NEGLIGIBLE: f64 = 1e-6;
 
 /// A sum so far.
-struct QuadraticSum<'r> {
+pub struct QuadraticSum<'r> {
     line: AffineSum<'r>,
     bends: Vec<f64>,
 }
 
 impl<'r> QuadraticSum<'r> {
-    fn new(start: f64) -> Self {
-        Self {
-            line: AffineSum::new(start),
-            bends: Vec::new(),
-        }
-    }
-
     fn add_bends(&mut self, factor: f64, form: &QuadraticForm<'r>) {
         if self.bends.capacity() == 0 {
             self.bends = form.blank();
         }
         add_list(&mut self.bends, factor, form.bends);
+    }
+
+    /// Adds the terms of second order from the slopes of both factors; returns a bound of what finds no space.
+    fn add_product_of_slopes(&mut self, a: &AffineForm<'r>, b: &AffineForm<'r>) -> f64 {
+        let (x, y) = (a.slopes(), b.slopes());
+        if x.is_empty() || y.is_empty() {
+            return 0.0;
+        }
+        let Some(room) = self.line.room() else {
+            return a.radius() * b.radius();
+        };
+        if self.bends.capacity() == 0 {
+            self.bends = room.bends().blank();
+        }
+        let (x, y) = (NonZeros::of(x), NonZeros::of(y));
+        let span = x.slopes.len().max(y.slopes.len());
+        if self.bends.len() < pair_count(span) {
+            self.bends.resize(pair_count(span), 0.0);
+        }
+        for l in x.first.min(y.first)..span {
+            let column = &mut self.bends[pair_count(l)..=pair_count(l) + l];
+            let (p, q) = (x.at(l), y.at(l));
+            column[l] += p * q;
+            x.add_to(&mut column[..l], q);
+            y.add_to(&mut column[..l], p);
+        }
+        0.0
+    }
+}
+
+impl<'r> FormSum for QuadraticSum<'r> {
+    type Form = QuadraticForm<'r>;
+
+    fn new(start: f64) -> Self {
+        Self {
+            line: AffineSum::new(start),
+            bends: Vec::new(),
+        }
     }
 
     fn add_scaled(&mut self, factor: f64, form: &QuadraticForm<'r>) {
@@ -80,33 +112,6 @@ impl<'r> QuadraticSum<'r> {
         line.count(3.0, far * wide);
     }
 
-    /// Adds the terms of second order from the slopes of both factors; returns a bound of what finds no space.
-    fn add_product_of_slopes(&mut self, a: &AffineForm<'r>, b: &AffineForm<'r>) -> f64 {
-        let (x, y) = (a.slopes(), b.slopes());
-        if x.is_empty() || y.is_empty() {
-            return 0.0;
-        }
-        let Some(room) = self.line.room() else {
-            return a.radius() * b.radius();
-        };
-        if self.bends.capacity() == 0 {
-            self.bends = room.bends().blank();
-        }
-        let (x, y) = (NonZeros::of(x), NonZeros::of(y));
-        let span = x.slopes.len().max(y.slopes.len());
-        if self.bends.len() < pair_count(span) {
-            self.bends.resize(pair_count(span), 0.0);
-        }
-        for l in x.first.min(y.first)..span {
-            let column = &mut self.bends[pair_count(l)..=pair_count(l) + l];
-            let (p, q) = (x.at(l), y.at(l));
-            column[l] += p * q;
-            x.add_to(&mut column[..l], q);
-            y.add_to(&mut column[..l], p);
-        }
-        0.0
-    }
-
     fn finish(self) -> QuadraticForm<'r> {
         QuadraticForm::from(self.line.finish()).bent(self.bends)
     }
@@ -145,29 +150,6 @@ impl<'a> NonZeros<'a> {
     }
 }
 
-impl<'r> QuadraticForm<'r> {
-    /// Adds `factor` times `b`.
-    pub fn add_scaled(&mut self, factor: f64, b: &Self) {
-        *self = Self::combination(0.0, [(1.0, &*self), (factor, b)].into_iter());
-    }
-
-    /// `start` and the sum of all forms times their factors, rounded as a whole.
-    pub fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self
-    where
-        'r: 'f,
-    {
-        let mut sum = QuadraticSum::new(start);
-        terms.for_each(|(factor, form)| sum.add_scaled(factor, form));
-        sum.finish()
-    }
-
-    /// The sum of products.
-    pub fn sum_of_products<'f>(terms: impl Iterator<Item = (&'f Self, &'f Self)>) -> Self
-    where
-        'r: 'f,
-    {
-        let mut sum = QuadraticSum::new(0.0);
-        terms.for_each(|(a, b)| sum.add_product(a, b));
-        sum.finish()
-    }
+impl<'r> SummedForm for QuadraticForm<'r> {
+    type Sum = QuadraticSum<'r>;
 }

@@ -1,6 +1,7 @@
 //! Forms of second order against the functions that they enclose.
 
 use super::*;
+use crate::numbers::form_sum::SummedForm;
 use crate::numbers::scalar::{Ring, Scalar};
 
 type Form<'r> = QuadraticForm<'r>;

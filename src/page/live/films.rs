@@ -3,9 +3,7 @@
 use super::following::motion_until;
 use super::session::{LiveError, LiveScene, Opened};
 use crate::export::film::{Destination, FilmSettings};
-use crate::export::gif::Quality;
 use crate::export::png::{Effort, PngSettings, encode_picture};
-use crate::export::raw::Chroma;
 use crate::export::{Format, Stream};
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
 use crate::kinematics::motion::sampling::frame_times;
@@ -116,21 +114,11 @@ impl LiveScene {
         self.drawn(&film, size, |mut pictures| {
             let view = &pictures.scene.view;
             pictures.order = pictures.order.played(view.playback, view.fps);
+            let count = pictures.order.pictures();
             let settings = FilmSettings {
-                format: &Format::Gif,
-                size,
-                count: pictures.order.pictures(),
-                fps: self.now.scene.view.fps,
                 needed_colours: pictures.staging.needed_colours(),
-                at_hand: false,
                 alpha: pictures.scene.view.transparent,
-                quality: Quality::USUAL,
-                effort: None,
-                dpi: None,
-                texts: Vec::new(),
-                strip_rows: None,
-                chroma: Chroma::Full,
-                repeat: true,
+                ..FilmSettings::new(&Format::Gif, size, count, self.now.scene.view.fps)
             };
             let never = AtomicBool::new(false);
             let file = Destination::File(Box::new(Stream::new("memory", memory.clone())));

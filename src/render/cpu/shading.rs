@@ -122,7 +122,7 @@ pub(super) fn light_surface(
 /// The vector with length 1; a zero vector stays zero.
 #[inline(always)]
 pub(super) fn unit_vector(v: [f32; 3]) -> [f32; 3] {
-    let scale = 1.0 / look::larger_of(look::dot_product(v, v), 1e-30).sqrt();
+    let scale = 1.0 / look::larger_of(look::dot_product(v, v), look::LEAST_DIVISOR).sqrt();
     [v[0] * scale, v[1] * scale, v[2] * scale]
 }
 
@@ -147,7 +147,8 @@ pub(super) fn normal_at(
     let depth = |v: &super::lens::LensVertex| if lens.perspective { v.depth } else { 1.0 };
     let shares = [edge(b, c), edge(c, a), edge(a, b)];
     let nearness = shares[0] * a.depth + shares[1] * b.depth + shares[2] * c.depth;
-    let nearness = nearness / look::larger_of(shares[0] + shares[1] + shares[2], 1e-30);
+    let nearness =
+        nearness / look::larger_of(shares[0] + shares[1] + shares[2], look::LEAST_DIVISOR);
     let nearness = look::smaller_of(
         look::larger_of(
             nearness,
@@ -163,7 +164,7 @@ pub(super) fn normal_at(
     ];
     let side = facet.side();
     // The weights' sum is of the size of the area; scaled to keep the squares within range.
-    let scale = side / look::larger_of(weights[0] + weights[1] + weights[2], 1e-30);
+    let scale = side / look::larger_of(weights[0] + weights[1] + weights[2], look::LEAST_DIVISOR);
     let normal = std::array::from_fn(|n| {
         (weights[0] * a.normal[n] + weights[1] * b.normal[n] + weights[2] * c.normal[n]) * scale
     });

@@ -9,7 +9,7 @@ use super::caster::{Caster, row_value};
 use super::rays::Rays;
 use super::scan::scan_rows;
 use crate::math::sin_cos;
-use crate::render::look::{clamp_unit, dot_product, larger_of, smaller_of};
+use crate::render::look::{LEAST_DIVISOR, clamp_unit, dot_product, larger_of, smaller_of};
 
 /// Rows of cells that a picture has at most, so that large pictures cost no more.
 const MOST_ROWS: u32 = 540;
@@ -213,7 +213,7 @@ impl SkyMap {
         ];
         let [p, q, r] = corners.map(|i| self.normals[i]);
         let sum = [0, 1, 2].map(|k| weights[0] * p[k] + weights[1] * q[k] + weights[2] * r[k]);
-        let length = larger_of(dot_product(sum, sum), 1e-30).sqrt();
+        let length = larger_of(dot_product(sum, sum), LEAST_DIVISOR).sqrt();
         // The weights of a front add up to less than nothing, and those of a back, whose normals point away, to more.
         sum.map(|n| -n / length)
     }

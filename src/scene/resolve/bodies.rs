@@ -7,8 +7,9 @@ use super::joints::FoldedJoints;
 use super::meshes::MeshFiles;
 use super::names::Names;
 use super::parsed::Parsed;
+use super::range::in_range;
 use super::solids::resolve_solid;
-use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
+use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::math::Pose;
 use crate::model::mechanism::{Body, Trace};
 use crate::model::palette;
@@ -88,17 +89,7 @@ fn body_opacity(
     diagnostics: &mut Diagnostics,
 ) -> Option<f64> {
     let value = constants.value(text, diagnostics)?;
-    if (0.0..=1.0).contains(&value) {
-        return Some(value);
-    }
-    diagnostics.push(
-        Diagnostic::error(format!(
-            "opacity must be between 0 and 1, found {}",
-            shown_number(value)
-        ))
-        .at(text.span.clone()),
-    );
-    None
+    diagnostics.taken(in_range("opacity", value, [0.0, 1.0], &text.span))
 }
 
 fn resolve_shape(

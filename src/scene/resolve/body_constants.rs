@@ -5,7 +5,7 @@ use super::super::formula::kinds::{dimension_of, to_radians};
 use super::super::formula::node::FormulaNode;
 use super::names::Names;
 use super::parsing::parsed_expression;
-use super::range::within_range;
+use super::range::{in_range, within_range};
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::dimension::PhysicalDimension;
 use crate::model::mechanism::Kind;
@@ -34,14 +34,8 @@ impl BodyConstants<'_> {
         diagnostics: &mut Diagnostics,
     ) -> Option<f64> {
         let value = constant_node(node, &|n, s| self.names.constant(n, s));
-        let in_range = |value: f64| within_range(value, &text.span).map(|()| value);
-        match value.and_then(in_range) {
-            Ok(value) => Some(value),
-            Err(diagnostic) => {
-                diagnostics.push(diagnostic);
-                None
-            }
-        }
+        let computable = |value: f64| within_range(value, &text.span).map(|()| value);
+        diagnostics.taken(value.and_then(computable))
     }
 
     /// The number at `what`, if there is one and it is in its range.
@@ -54,7 +48,7 @@ impl BodyConstants<'_> {
     ) -> Option<f64> {
         let text = text.as_ref()?;
         let value = self.value(text, diagnostics)?;
-        in_range(what, text, value, range, diagnostics)
+        diagnostics.taken(in_range(what, value, range, &text.span))
     }
 
     /// The angle at `what` in radians, if there is one and it is in its range of degrees. Numbers are degrees whatever the unit of
@@ -79,7 +73,8 @@ impl BodyConstants<'_> {
             }
             false => self.value(text, diagnostics)?,
         };
-        in_range(what, text, value, degrees, diagnostics).map(f64::to_radians)
+        let value = diagnostics.taken(in_range(what, value, degrees, &text.span))?;
+        Some(value.to_radians())
     }
 
     /// Three numbers.
@@ -119,21 +114,4 @@ impl BodyConstants<'_> {
         );
         None
     }
-}
-
-/// A value, or the message that it is out of range.
-fn in_range(
-    what: &str,
-    text: &FormulaText,
-    value: f64,
-    [low, high]: [f64; 2],
-    diagnostics: &mut Diagnostics,
-) -> Option<f64> {
-    if (low..=high).contains(&value) {
-        return Some(value);
-    }
-    let value = shown_number(value);
-    let message = format!("{what} must be between {low} and {high}, found {value}");
-    diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
-    None
 }

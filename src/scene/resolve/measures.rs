@@ -440,11 +440,6 @@ fn measure_formula(
                 .hint("a value of single poses is measured over a track or the drive: { of = …, take = … }")
         })
     };
-    match compile_formula(&node, &lookup) {
-        Ok(formula) => Some((MeasureSource::Formula(formula), dimension)),
-        Err(diagnostic) => {
-            diagnostics.push(diagnostic);
-            None
-        }
-    }
+    let formula = diagnostics.taken(compile_formula(&node, &lookup))?;
+    Some((MeasureSource::Formula(formula), dimension))
 }

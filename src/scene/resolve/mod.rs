@@ -22,7 +22,7 @@ mod outputs;
 mod parsed;
 mod parsing;
 mod plots;
-mod range;
+pub mod range;
 mod rates;
 mod refused_names;
 mod scales;

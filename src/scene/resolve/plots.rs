@@ -110,13 +110,8 @@ impl TextSite<'_> {
             false => 1.0,
         };
         let node = names.in_radians(node, None);
-        match constant_node(&node, &|n, s| names.constant(n, s)) {
-            Ok(value) => Some(value / unit),
-            Err(diagnostic) => {
-                diagnostics.push(diagnostic);
-                None
-            }
-        }
+        let value = constant_node(&node, &|n, s| names.constant(n, s));
+        Some(diagnostics.taken(value)? / unit)
     }
 
     /// `formula` or `name = formula`, with derivatives `d(formula, input)` or `d(formula, input, order)` as parts of it.

@@ -8,7 +8,7 @@ use super::parsing::parsed_expression;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::measure::Measure;
 use crate::model::mechanism::{AngleUnit, Kind};
-use crate::model::study::{Study, Variable};
+use crate::model::study::{RANGE_ROUNDING, Study, Variable};
 use crate::numbers::constant::Constant;
 use crate::scene::overrides::Overrides;
 use crate::scene::reader::Spanned;
@@ -54,9 +54,6 @@ pub fn resolve_study(
         note: study.note.clone(),
     })
 }
-
-/// Share of a range by which a start may be outside: units are converted back and forth.
-const ROUNDING: f64 = 1e-12;
 
 struct Resolver<'a, 'd> {
     names: &'a Names,
@@ -244,7 +241,7 @@ impl Resolver<'_, '_> {
             self.diagnostics.push(Diagnostic::error(message).at(place));
             return None;
         }
-        let rounding = ROUNDING * lower.abs().max(upper.abs());
+        let rounding = RANGE_ROUNDING * lower.abs().max(upper.abs());
         let is_inside = lower - rounding <= start && start <= upper + rounding;
         if !self.outside_ranges && !is_inside {
             let message = format!("`{name}` starts outside its range");
@@ -261,12 +258,7 @@ impl Resolver<'_, '_> {
         let node = parsed_expression(text, self.diagnostics)?;
         let names = self.names;
         let node = names.in_radians(node, Some(kind));
-        match constant_node(&node, &|n, s| names.constant(n, s)) {
-            Ok(value) => Some(value),
-            Err(diagnostic) => {
-                self.diagnostics.push(diagnostic);
-                None
-            }
-        }
+        let value = constant_node(&node, &|n, s| names.constant(n, s));
+        self.diagnostics.taken(value)
     }
 }

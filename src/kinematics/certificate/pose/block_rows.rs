@@ -2,16 +2,12 @@
 
 use super::chain::{ArgumentDouble, LoopAtPose};
 use super::equation::EquationAtPose;
-use crate::kinematics::certificate::neighbourhood::BALL;
+use crate::kinematics::certificate::neighbourhood::{BALL, LEAST_TRACE};
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::proof_plan::{LoopRows, ProofBlock};
 use crate::linalg::lanes::LaneMatrix;
 use crate::model::chain::ElementaryMotion;
 use crate::numbers::rounding::{COLUMN, GROW, U};
-
-/// A trace below this could belong to a half-turn (trace -1) as well as to the identity (trace 3), after what the
-/// rotation can change within the error bound.
-const LEAST_TRACE: f64 = 1e-6;
 
 /// One row of the block, without its derivatives.
 #[derive(Clone, Copy, Debug, Default)]

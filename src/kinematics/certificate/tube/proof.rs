@@ -14,15 +14,12 @@ use super::path::TubePath;
 use super::rows::{Bends, JACOBIAN_TERMS, TubeLayout, TubeRows};
 use super::taylor_model::{Polynomial, TERMS, polynomial_size};
 use crate::kinematics::certificate::gaps::LARGEST_GAP;
-use crate::kinematics::certificate::neighbourhood::BALL;
+use crate::kinematics::certificate::neighbourhood::{BALL, LEAST_TRACE};
 use crate::kinematics::results::certificate::Reason;
 use crate::linalg::gauss_jordan::GaussJordan;
 use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, combine_rows, dot_lanes, lane_groups};
 use crate::numbers::rounding::{GROW, OPERATION};
 use std::f64::consts::TAU;
-
-/// A trace below this could belong to a half-turn (trace -1) as well as to the identity (trace 3).
-const LEAST_TRACE: f64 = 1e-6;
 
 /// Coefficients of R if anything moves.
 const INVERSE_TERMS: usize = 3;

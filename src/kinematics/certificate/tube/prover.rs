@@ -10,7 +10,7 @@ use crate::kinematics::results::certificate::{
     Certificate, IntervalCertificate, ProofObstacle, ProofRefusal, Reason,
 };
 use crate::kinematics::results::passed::PassedPoses;
-use crate::kinematics::results::trajectory::Sample;
+use crate::kinematics::results::trajectory::{SAME_INPUT, Sample};
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
@@ -26,9 +26,6 @@ use std::sync::Arc;
 /// Shortest time interval, as a fraction of the interval between two samples: near a singular pose tubes are as short
 /// as its distance, without end.
 pub const FLOOR: f64 = 1.0 / 65_536.0;
-
-/// An input of a sample may differ from the enclosed drive by rounding: this much of a radian or of the size.
-const SAME_INPUT: f64 = 1e-9;
 
 /// Positions in a time interval at which the rows of over-determined blocks are chosen: the middle, and if that choice
 /// fails either end.

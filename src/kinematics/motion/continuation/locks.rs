@@ -23,6 +23,13 @@ const SAME_LOCK: f64 = 1e-6;
 /// Iterations that locate the closest approach: it is a linear problem but for the curvature of the path.
 const LOCATING: usize = 12;
 
+/// Distance of the second pose that tells the direction of the path, as a fraction of the step: that of the last change,
+/// but no nearer than rounding and no farther than the path is straight.
+const BESIDE: [f64; 2] = [1e-9, 1e-3];
+
+/// A change of the place below this fraction of the step is rounding.
+const SETTLED: f64 = 1e-15;
+
 impl Events {
     /// Reports ball joints whose angles were locked, or nearly so, since the previous pose.
     pub(crate) fn watch_locks(&mut self, tracker: &mut PathTracker, point: &PathPoint) {
@@ -119,7 +126,7 @@ fn locate_lock(
         known: vec![(0.0, a.coordinates.to_vec()), (1.0, b.coordinates.to_vec())],
     };
     let (mut s, mut best) = (part, (part, f64::INFINITY));
-    let mut step = 1e-3_f64;
+    let mut step = BESIDE[1];
     for _ in 0..LOCATING {
         let Some(here) = between.lock_at(s) else {
             break;
@@ -134,11 +141,11 @@ fn locate_lock(
         };
         let direction = (there - here) / (beside - s);
         let change = -here.dot(direction) / direction.length_squared();
-        if !change.is_finite() || change.abs() < 1e-15 {
+        if !change.is_finite() || change.abs() < SETTLED {
             break;
         }
         s = (s + change).clamp(0.0, 1.0);
-        step = change.abs().clamp(1e-9, 1e-3);
+        step = change.abs().clamp(BESIDE[0], BESIDE[1]);
     }
     // The proof of the pose shares the last observation.
     let _ = tracker.solver.observe(&b.coordinates);

@@ -15,6 +15,9 @@ const BESIDE_INPUTS: f64 = 1e-11;
 /// Longest stretch, in intervals between samples, over which a singular pose is crossed.
 const LONGEST_CROSSING: f64 = 1.0;
 
+/// A reach beyond the limit by rounding is still within it.
+const SAME_REACH: f64 = 1.0 + 1e-12;
+
 /// How far beyond a kink the next pose is looked for, in intervals between samples, and how far the unknowns may move
 /// there, in scaled unknowns: an inverse cosine near its end is known to 1e-8.
 const HOPS: [f64; 4] = [1e-6, 1e-7, 1e-8, 1e-9];
@@ -70,7 +73,7 @@ impl PathTracker<'_> {
         let mut reach = (end.time - anchor.time) * 2.0;
         let limit = (LONGEST_CROSSING * self.interval).min(time - anchor.time);
         for _ in 0..MOST_REACHES {
-            if reach > limit * (1.0 + 1e-12) {
+            if reach > limit * SAME_REACH {
                 break;
             }
             // The tangent of the last good point reaches over the singular pose.
