@@ -11,6 +11,7 @@ pub mod closure;
 pub mod dyads;
 pub mod enclosure;
 pub mod enclosure_between;
+pub mod event_sentences;
 pub mod events;
 pub mod freedoms;
 pub mod inputs_box;
