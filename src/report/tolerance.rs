@@ -7,6 +7,7 @@ use crate::analysis::tolerance::{PieceSummary, Pieces};
 use crate::analysis::tolerance_study::ToleranceStudy;
 use crate::model::measure::Measure;
 use crate::model::mechanism::Kind;
+use crate::scene::columns::PIECE;
 use serde_json::{Map, Value, json};
 use std::io::Write;
 
@@ -237,7 +238,7 @@ impl ToleranceReport<'_> {
         let family = self.family();
         let measures = &family.measures.list;
         let names: Vec<String> = measures.iter().map(|m| quoted_cell(&m.name)).collect();
-        writeln!(target, "piece,{}", names.join(","))?;
+        writeln!(target, "{PIECE},{}", names.join(","))?;
         for (item, piece) in pieces.values.chunks_exact(measures.len()).enumerate() {
             write!(target, "{}", self.first + item as u64)?;
             for (measure, value) in measures.iter().zip(piece) {
