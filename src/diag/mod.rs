@@ -5,7 +5,7 @@ mod names;
 mod shown;
 
 pub use diagnostic::{Diagnostic, Diagnostics, SceneError, Severity, Source, Span};
-pub use names::{list_names, name_hint, nearest_name};
+pub use names::{list_names, name_hint};
 pub use shown::{
     MOST_QUOTED, cut_text, decimals_of, shorten_text, shown_char, shown_lines, shown_number,
     shown_text, xml_text,

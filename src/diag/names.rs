@@ -25,7 +25,10 @@ pub fn list_names<'a>(known: impl IntoIterator<Item = &'a str>) -> String {
 }
 
 /// The known name most similar to `word`, if any is.
-pub fn nearest_name<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub(super) fn nearest_name<'a>(
+    word: &str,
+    known: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
     known
         .into_iter()
         .map(|name| {
