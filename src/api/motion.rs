@@ -14,7 +14,7 @@ use crate::kinematics::motion::sampling::{
 use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::plot::svg::write_svg;
 use crate::plot::{ChartTheme, draw_chart, usual_size};
-use crate::report::sentences::{event_sentence, gap_sentence};
+use crate::report::event_sentences::{event_sentence, gap_sentence};
 use crate::report::table::{TableColumns, write_csv, write_json};
 use crate::scene::{PlotText, load_scene};
 use std::fmt;

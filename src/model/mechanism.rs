@@ -160,6 +160,9 @@ pub struct AngleUnit {
 }
 
 impl AngleUnit {
+    /// Names in scene files.
+    pub const NAMES: [&'static str; 2] = ["rad", "deg"];
+
     /// The unit called `rad` or `deg`.
     pub fn from_name(name: &str) -> Option<Self> {
         let radians = match name {
@@ -169,6 +172,15 @@ impl AngleUnit {
         };
         let name = name.to_owned();
         Some(Self { name, radians })
+    }
+}
+
+impl Default for AngleUnit {
+    fn default() -> Self {
+        Self {
+            name: "rad".to_owned(),
+            radians: Constant::exact(1.0),
+        }
     }
 }
 

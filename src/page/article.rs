@@ -14,7 +14,7 @@ use crate::kinematics::motion::limits::add_limits;
 use crate::kinematics::results::trajectory::{EventKind, Trajectory};
 use crate::model::mechanism::Mechanism;
 use crate::render::{Camera, RenderError};
-use crate::report::sentences::{event_sentence, gap_sentence};
+use crate::report::event_sentences::{event_sentence, gap_sentence};
 use crate::report::verdict::{CLEARANCE, Case, Status, Verdict};
 use serde_json::{Value, json};
 

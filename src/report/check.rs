@@ -5,11 +5,11 @@ use super::clearance;
 use super::clearance_json;
 use super::clearance_table::clearance_table;
 use super::closure;
+use super::event_sentences::event_sentence;
 use super::events::gap_list;
 use super::freedoms;
 use super::measures::TakenMeasure;
 use super::proof::{MotionProof, PoseProofs, proof_assumptions};
-use super::sentences;
 use super::verdict::{CLEARANCE, CheckRequirements, Verdict};
 use crate::clearance::check::ClearanceReport;
 use crate::kinematics::freedoms::mobility::Mobility;
@@ -196,7 +196,7 @@ impl<'a> MotionReport<'a> {
             "motion": self.motion.as_ref().map(MotionProof::json),
             "between": self.between.as_ref().map(BetweenSamples::json),
             "mobility": freedoms::freedoms_document(mechanism, &self.mobility),
-            "events": events.map(|e| sentences::event_sentence(mechanism, e)).collect::<Vec<_>>(),
+            "events": events.map(|e| event_sentence(mechanism, e)).collect::<Vec<_>>(),
             "clearance": clearance,
             "gaps": gap_list(mechanism, trajectory),
             "checks": verdict.json(),
@@ -214,7 +214,7 @@ pub fn without_pose(mechanism: &Mechanism, trajectory: &Trajectory, verdict: &Ve
         "samples": trajectory.samples.len(),
         "missing": trajectory.missing(),
         "size": mechanism.size,
-        "events": events.map(|e| sentences::event_sentence(mechanism, e)).collect::<Vec<_>>(),
+        "events": events.map(|e| event_sentence(mechanism, e)).collect::<Vec<_>>(),
         "gaps": gap_list(mechanism, trajectory),
         "checks": verdict.json(),
         "result": verdict.result().word(),

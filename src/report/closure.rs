@@ -1,6 +1,7 @@
 //! The questions whether a motion closes, and whether a given pose does.
 
-use super::sentences::{angles_note, gap_sentence, samples_without_pose};
+use super::event_sentences::gap_sentence;
+use super::sentences::{angles_note, samples_without_pose};
 use super::verdict::{Case, MOTION, Status};
 use crate::diag::decimals_of;
 use crate::kinematics::results::trajectory::Trajectory;

@@ -13,7 +13,21 @@ pub fn event_list(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Value> 
 }
 
 fn event_value(mechanism: &Mechanism, event: &Event) -> Value {
-    let kind = match &event.kind {
+    let inputs = input_values(mechanism, &event.inputs);
+    let common = [
+        ("kind", json!(event_word(&event.kind))),
+        ("time", json!(event.time)),
+        ("inputs", inputs.into()),
+    ];
+    let details = event_details(mechanism, &event.kind);
+    let all = common.into_iter().chain(details);
+    let all = all.map(|(key, value)| (key.to_owned(), value));
+    Value::Object(all.collect())
+}
+
+/// The kind of an event, in a word.
+fn event_word(kind: &EventKind) -> &'static str {
+    match kind {
         EventKind::MotionEnds(_) => "motion-ends",
         EventKind::MotionResumes { .. } => "motion-resumes",
         EventKind::SingularPosePassed => "singular-pose-passed",
@@ -27,21 +41,14 @@ fn event_value(mechanism: &Mechanism, event: &Event) -> Value {
         EventKind::StartMoved { .. } => "start-moved",
         EventKind::AxesParallel { .. } => "axes-parallel",
         EventKind::OtherStart => "other-start",
-    };
-    let mut object = Map::new();
-    object.insert("kind".to_owned(), json!(kind));
-    object.insert("time".to_owned(), json!(event.time));
-    object.insert(
-        "inputs".to_owned(),
-        input_values(mechanism, &event.inputs).into(),
-    );
-    match &event.kind {
-        EventKind::MotionEnds(ending) => {
-            object.insert("ending".to_owned(), self::ending_value(ending));
-        }
-        EventKind::MotionResumes { same_branch } => {
-            object.insert("same_branch".to_owned(), json!(same_branch));
-        }
+    }
+}
+
+/// Further data of an event of some kind.
+fn event_details(mechanism: &Mechanism, kind: &EventKind) -> Vec<(&'static str, Value)> {
+    match kind {
+        EventKind::MotionEnds(ending) => vec![("ending", ending_value(ending))],
+        EventKind::MotionResumes { same_branch } => vec![("same_branch", json!(same_branch))],
         EventKind::LimitPosition {
             name,
             measure,
@@ -49,16 +56,14 @@ fn event_value(mechanism: &Mechanism, event: &Event) -> Value {
             is_largest,
         } => {
             let extreme = if *is_largest { "largest" } else { "smallest" };
-            object.insert("coordinate".to_owned(), json!(name));
-            object.insert(
-                "value".to_owned(),
-                json!(value * mechanism.file_units(*measure)),
-            );
-            object.insert("extreme".to_owned(), json!(extreme));
+            let value = value * mechanism.file_units(*measure);
+            vec![
+                ("coordinate", json!(name)),
+                ("value", json!(value)),
+                ("extreme", json!(extreme)),
+            ]
         }
-        EventKind::AxesParallel { contact } => {
-            object.insert("contact".to_owned(), json!(contact));
-        }
+        EventKind::AxesParallel { contact } => vec![("contact", json!(contact))],
         EventKind::StartMoved {
             name,
             measure,
@@ -68,25 +73,27 @@ fn event_value(mechanism: &Mechanism, event: &Event) -> Value {
             ..
         } => {
             let units = mechanism.file_units(*measure);
-            object.insert("coordinate".to_owned(), json!(name));
-            object.insert("start".to_owned(), json!(wanted * units));
-            object.insert("value".to_owned(), json!(found * units));
-            object.insert("mode".to_owned(), json!(mode));
+            vec![
+                ("coordinate", json!(name)),
+                ("start", json!(wanted * units)),
+                ("value", json!(found * units)),
+                ("mode", json!(mode)),
+            ]
         }
         EventKind::BranchChosen { taken, others } => {
-            object.insert("branch".to_owned(), json!(taken));
-            object.insert("others".to_owned(), json!(others));
+            vec![("branch", json!(taken)), ("others", json!(others))]
         }
         EventKind::StartNotClosed { proved, .. } | EventKind::InputUndefined { proved, .. } => {
-            object.insert("proved".to_owned(), json!(proved));
+            vec![("proved", json!(proved))]
         }
         EventKind::GimbalLock { names, distance } => {
-            object.insert("coordinates".to_owned(), json!(names));
-            object.insert("distance".to_owned(), json!(distance));
+            vec![("coordinates", json!(names)), ("distance", json!(distance))]
         }
-        _ => {}
+        EventKind::SingularPosePassed
+        | EventKind::SingularPoseMet
+        | EventKind::StartSingular
+        | EventKind::OtherStart => Vec::new(),
     }
-    object.into()
 }
 
 /// The kind of a motion's end, in a word, and its certainty.

@@ -12,6 +12,7 @@ pub mod csv;
 pub mod dyads;
 pub mod enclosure;
 pub mod enclosure_between;
+pub mod event_sentences;
 pub mod events;
 pub mod freedoms;
 pub mod inputs_box;

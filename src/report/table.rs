@@ -11,6 +11,7 @@ use crate::kinematics::results::printed::printed_certificate;
 use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::numbers::rounding::GROW;
+use crate::scene::columns;
 use serde_json::{Map, Value, json};
 
 /// The optional columns.
@@ -99,8 +100,8 @@ pub fn write_json(
 const NO_SAMPLES: &str = "\n  \"samples\": []";
 
 /// Names of the columns in their order.
-fn table_header(mechanism: &Mechanism, columns: TableColumns) -> Vec<String> {
-    let mut names = vec!["time".to_owned()];
+fn table_header(mechanism: &Mechanism, shows: TableColumns) -> Vec<String> {
+    let mut names = vec![columns::TIME.to_owned()];
     names.extend(
         mechanism
             .inputs
@@ -110,7 +111,7 @@ fn table_header(mechanism: &Mechanism, columns: TableColumns) -> Vec<String> {
     );
     let shown = shown_columns(mechanism);
     names.extend(shown.iter().map(|(name, _)| name.clone()));
-    if columns.rates {
+    if shows.rates {
         names.extend(
             mechanism
                 .unknowns
@@ -118,32 +119,23 @@ fn table_header(mechanism: &Mechanism, columns: TableColumns) -> Vec<String> {
                 .map(|c| format!("d({})/dt", c.name)),
         );
     }
-    if let Some(derivatives) = columns.derivatives {
+    if let Some(derivatives) = shows.derivatives {
         let headings = derivatives.headings(mechanism).into_iter();
         names.extend(headings.map(|(name, _)| name));
     }
-    if columns.bounds {
+    if shows.bounds {
         names.extend(shown.iter().map(|(name, _)| bound_of(name)));
     }
-    let proof = [
-        "closure_error",
-        "sigma_min",
-        "condition",
-        "rank",
-        "branch",
-        "error_bound",
-        "unique_radius",
-    ];
-    let redundant = |name| columns.redundant.then_some(name);
-    names.extend(proof.map(str::to_owned));
-    names.extend(redundant("closes_to").map(str::to_owned));
-    names.extend(["iterations", "status"].map(str::to_owned));
-    if columns.motion {
-        let motion = ["motion_tubes", "motion_radius", "motion_unique"];
-        names.extend(motion.map(str::to_owned));
-        names.extend(redundant("motion_closes_to").map(str::to_owned));
-        names.push("motion_status".to_owned());
+    let redundant = |name: &'static str| shows.redundant.then_some(name);
+    let mut own: Vec<&str> = columns::PROOF.to_vec();
+    own.extend(redundant(columns::CLOSES_TO));
+    own.extend(columns::SOLVING);
+    if shows.motion {
+        own.extend(columns::MOTION);
+        own.extend(redundant(columns::MOTION_CLOSES_TO));
+        own.push(columns::MOTION_STATUS);
     }
+    names.extend(own.into_iter().map(str::to_owned));
     names
 }
 
@@ -165,13 +157,13 @@ fn bound_of(name: &str) -> String {
 }
 
 /// Units of the columns that have one, by name: rates of angles in degrees are per degree, per degree squared and so on.
-fn column_units(mechanism: &Mechanism, columns: TableColumns) -> Map<String, Value> {
-    let mut list = vec![("time".to_owned(), "s".to_owned())];
+fn column_units(mechanism: &Mechanism, shows: TableColumns) -> Map<String, Value> {
+    let mut list = vec![(columns::TIME.to_owned(), "s".to_owned())];
     let unit = |kind| mechanism.unit_name(kind).to_owned();
     let coordinates = mechanism.inputs.iter().chain(&mechanism.unknowns);
     list.extend(coordinates.map(|c| (c.name.clone(), unit(c.kind))));
     for (name, kind) in shown_columns(mechanism) {
-        if columns.bounds {
+        if shows.bounds {
             list.push((bound_of(&name), unit(kind)));
         }
         list.push((name, unit(kind)));
@@ -185,7 +177,7 @@ fn column_units(mechanism: &Mechanism, columns: TableColumns) -> Map<String, Val
             .unit_words(mechanism.unit_name(Kind::Length), "", 1.0);
         (o.name.clone(), words)
     }));
-    if columns.rates {
+    if shows.rates {
         let unknowns = mechanism.unknowns.iter();
         let rate = |kind| match mechanism.unit_name(kind) {
             "" => "1/s".to_owned(),
@@ -193,7 +185,7 @@ fn column_units(mechanism: &Mechanism, columns: TableColumns) -> Map<String, Val
         };
         list.extend(unknowns.map(|c| (format!("d({})/dt", c.name), rate(c.kind))));
     }
-    if let Some(derivatives) = columns.derivatives {
+    if let Some(derivatives) = shows.derivatives {
         let names = derivatives.headings(mechanism).into_iter().map(|h| h.0);
         list.extend(names.zip(derivatives.units(mechanism)));
     }

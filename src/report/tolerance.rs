@@ -8,6 +8,7 @@ use crate::analysis::tolerance::{PieceSummary, Pieces};
 use crate::analysis::tolerance_study::ToleranceStudy;
 use crate::model::measure::Measure;
 use crate::model::mechanism::Kind;
+use crate::scene::columns::PIECE;
 use serde_json::{Map, Value, json};
 use std::io::Write;
 
@@ -237,7 +238,7 @@ impl ToleranceReport<'_> {
     pub fn write_csv(&self, pieces: &Pieces, target: &mut dyn Write) -> std::io::Result<()> {
         let family = self.family();
         let measures = &family.measures.list;
-        let mut heads = vec!["piece"];
+        let mut heads = vec![PIECE];
         heads.extend(measures.iter().map(|m| m.name.as_str()));
         let mut line = String::new();
         push_header(&mut line, &heads);

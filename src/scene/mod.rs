@@ -6,6 +6,7 @@ pub mod bars;
 pub mod bodies;
 pub mod builtin;
 pub mod clearance;
+pub mod columns;
 pub mod contacts;
 pub mod edit;
 pub mod file;

@@ -2,7 +2,7 @@
 
 use super::keys::Keys;
 use super::values::{FormulaText, formula_of, formulas_of, kind_of, parse_colour};
-use crate::diag::{Diagnostic, Diagnostics, Span, shown_lines, shown_text};
+use crate::diag::{Diagnostic, Diagnostics, Span, name_hint, shown_lines, shown_text};
 use toml::de::{DeTable, DeValue};
 
 /// A value and its position in the file.
@@ -353,15 +353,13 @@ impl<'t, 'd> TableReader<'t, 'd> {
 
     /// Reports keys that the table may not have.
     fn finish(self) {
-        let known: Vec<&str> = self.keys.names().collect();
         for (key, _) in self.table.iter() {
             let name = key.get_ref().as_ref();
             if self.keys.find(name).is_none() {
                 self.diagnostics.push(
                     Diagnostic::error(format!("unknown key `{name}` in {}", self.place))
                         .at(key.span())
-                        .did_you_mean(name, self.keys.names())
-                        .hint(format!("known: {}", known.join(", "))),
+                        .hint(name_hint(name, self.keys.names())),
                 );
             }
         }

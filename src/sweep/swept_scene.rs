@@ -16,6 +16,7 @@ use crate::model::actuation::Actuation;
 use crate::model::measure::{Measure, MeasureSource, Measures};
 use crate::model::mechanism::Mechanism;
 use crate::scene::Overrides;
+use crate::scene::columns::DESIGN_CHECK;
 
 /// The values requested for every design.
 #[derive(Clone, Debug, PartialEq)]
@@ -351,13 +352,10 @@ fn value_names(
                 .collect()
         }
         RequestedValues::Check => {
-            let length = &mechanism.length_unit;
-            let named = |name: &str, unit: &str| (name.to_owned(), unit.to_owned());
-            vec![
-                named("passed", ""),
-                named("clearance_margin", length),
-                named("proved_margin", length),
-            ]
+            let length = mechanism.length_unit.as_str();
+            let columns = DESIGN_CHECK.map(str::to_owned).into_iter();
+            let units = ["", length, length].map(str::to_owned);
+            columns.zip(units).collect()
         }
     }
 }

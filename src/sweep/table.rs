@@ -3,6 +3,7 @@
 use super::row::Row;
 use super::swept_scene::Sweep;
 use crate::report::csv::{TableCell, push_header, push_row};
+use crate::scene::columns::{DESIGN, DESIGN_PROOF};
 use serde_json::{Map, Value, json};
 
 /// Format of the rows.
@@ -13,10 +14,6 @@ pub enum RowFormat {
     /// One JSON object per line; undefined values are null.
     JsonLines,
 }
-
-/// Columns before the parameters, and after the values.
-const FIRST: [&str; 3] = ["design", "status", "feasible"];
-const LAST: [&str; 3] = ["closure_error", "error_bound", "unproved"];
 
 /// Writes the rows of a sweep.
 pub struct RowTable<'s> {
@@ -34,10 +31,10 @@ impl<'s> RowTable<'s> {
         Self {
             sweep,
             format,
-            names: own(FIRST)
+            names: own(DESIGN)
                 .chain(axes)
                 .chain(values)
-                .chain(own(LAST))
+                .chain(own(DESIGN_PROOF))
                 .collect(),
         }
     }

@@ -40,7 +40,7 @@ pub fn no_entry<'a>(
     known: impl IntoIterator<Item = &'a str>,
 ) -> PyErr {
     let known: Vec<&str> = known.into_iter().collect();
-    let hint = format!("there are: {}", known.join(", "));
+    let hint = format!("known: {}", known.join(", "));
     exception(
         py,
         "UnknownNameError",

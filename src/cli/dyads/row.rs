@@ -6,6 +6,7 @@ use crate::cli::io;
 use crate::cli::open::scene::{OpenScene, open_scene};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
+use crate::diag::list_names;
 use crate::intervals::Kaucher;
 use crate::kinematics::motion::continuation::solve_motion;
 use crate::report::dyads::DyadReport;
@@ -107,12 +108,9 @@ pub fn open_row(args: &RowArgs, term: &Term) -> Result<OpenRow, Failure> {
     let row = planar_row(&open.system, &coordinates, moving.unwrap_or(0))
         .map_err(|error| Failure::usage(error.to_string(), Vec::new()))?;
     let moving = moving.ok_or_else(|| {
-        let names: Vec<&str> = mechanism.inputs.iter().map(|i| i.name.as_str()).collect();
-        let hint = format!("inputs: {}", names.join(", "));
-        Failure::usage(
-            "the scene has several inputs: name one with --per",
-            vec![hint],
-        )
+        let hint = list_names(mechanism.inputs.iter().map(|i| i.name.as_str()));
+        let message = "the scene has several inputs: name one with --per";
+        Failure::usage(message, vec![hint])
     })?;
     let place = format!(
         "at t = {} s ({}); velocities for {} at unit rate",

@@ -5,6 +5,7 @@ use crate::cli::args::files::{SnapshotArgs, UpdateArg};
 use crate::cli::io;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
+use crate::diag::{list_names, name_hint};
 use crate::import::film::png_files;
 use crate::report::sentences::counted_things;
 use crate::scene::source;
@@ -108,9 +109,13 @@ fn wanted_pictures<'a>(
     };
     let wanted: Vec<&GoldenPicture> = manifest.pictures.iter().filter(is_wanted).collect();
     if wanted.is_empty() {
-        let names: Vec<&str> = manifest.pictures.iter().map(|p| p.file.as_str()).collect();
+        let names = manifest.pictures.iter().map(|p| p.file.as_str());
         let message = format!("no picture is called {}", args.only.join(" or "));
-        let hint = format!("available: {}", names.join(", "));
+        // Any part of a name selects pictures; only one that was written alone has a nearest name.
+        let hint = match args.only.as_slice() {
+            [word] => name_hint(word, names),
+            _ => list_names(names),
+        };
         return Err(Failure::usage(message, vec![hint]));
     }
     Ok(wanted)

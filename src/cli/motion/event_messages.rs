@@ -9,9 +9,8 @@ use crate::kinematics::solve::wishes::StartPreferences;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Coordinate;
-use crate::report::sentences::{
-    counted_things, event_sentence, gap_sentence, samples_without_pose, with_unit,
-};
+use crate::report::event_sentences::{event_sentence, gap_sentence};
+use crate::report::sentences::{counted_things, samples_without_pose, with_unit};
 
 /// Maximum number of events that are printed one by one.
 const MAX_LINES: usize = 12;

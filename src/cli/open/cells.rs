@@ -16,6 +16,8 @@ const SEPARATOR_LINE: &str = "sep=";
 pub struct Cells<R> {
     file: R,
     line: Vec<u8>,
+    /// Byte at which every cell of the last line begins.
+    starts: Vec<usize>,
     /// Number of the last line read.
     pub number: usize,
     separator: Option<char>,
@@ -29,6 +31,7 @@ impl<R: BufRead> Cells<R> {
         Self {
             file,
             line: Vec::new(),
+            starts: Vec::new(),
             number: 0,
             separator: None,
             decimal: None,
@@ -41,10 +44,12 @@ impl<R: BufRead> Cells<R> {
             if !self.next_line()? {
                 return Ok(None);
             }
-            let mut text = std::str::from_utf8(&self.line).map_err(|_| self.not_text())?;
-            if self.number == 1 {
-                text = text.strip_prefix('\u{feff}').unwrap_or(text);
-            }
+            let text = std::str::from_utf8(&self.line).map_err(|_| self.not_text())?;
+            let text = if self.number == 1 {
+                without_mark(text)
+            } else {
+                text
+            };
             let text = text.trim_end_matches(['\n', '\r']);
             if text.contains('\r') {
                 let why = "the lines end with carriage returns alone; save it as CSV with UTF-8";
@@ -59,12 +64,25 @@ impl<R: BufRead> Cells<R> {
             }
             let separator = self.separator.unwrap_or_else(|| separator_of(text));
             self.separator = Some(separator);
-            return split_cells(text, separator).map(Some);
+            return split_cells(text, separator, &mut self.starts).map(Some);
         }
+    }
+
+    /// The character of the last line at which a cell begins, from 1; behind the line for a cell that it lacks, and 1
+    /// where the line has no cells.
+    pub fn place_of(&self, cell: usize) -> usize {
+        if self.starts.is_empty() {
+            return 1;
+        }
+        let text = String::from_utf8_lossy(&self.line);
+        let text = without_mark(&text).trim_end_matches(['\n', '\r']);
+        let start = self.starts.get(cell).copied().unwrap_or(text.len());
+        text.get(..start).unwrap_or(text).chars().count() + 1
     }
 
     fn next_line(&mut self) -> Result<bool, String> {
         self.line.clear();
+        self.starts.clear();
         let mut file = (&mut self.file).take(LONGEST_LINE);
         let count = file
             .read_until(b'\n', &mut self.line)
@@ -114,6 +132,11 @@ impl<R: BufRead> Cells<R> {
     }
 }
 
+/// A text without the byte order mark of its file.
+fn without_mark(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
 /// The separator in a header: the first candidate that occurs outside of quotes.
 fn separator_of(header: &str) -> char {
     let outside = header.split('"').step_by(2);
@@ -121,12 +144,17 @@ fn separator_of(header: &str) -> char {
     SEPARATORS.into_iter().find(stands).unwrap_or(',')
 }
 
-/// The cells of a line.
-fn split_cells(text: &str, separator: char) -> Result<Vec<String>, String> {
+/// The cells of a line; `starts` receives the bytes at which they begin.
+fn split_cells(
+    text: &str,
+    separator: char,
+    starts: &mut Vec<usize>,
+) -> Result<Vec<String>, String> {
     let mut cells = Vec::new();
     let mut rest = text;
     loop {
         let trimmed = rest.trim_start_matches([' ', '\u{a0}']);
+        starts.push(text.len() - trimmed.len());
         let (cell, after) = match trimmed.strip_prefix('"') {
             Some(quoted) => unquote_cell(quoted)?,
             None => {
@@ -196,6 +224,17 @@ mod tests {
             [["a;b", "say \"so\""]]
         );
         assert_eq!(rows(b"a,,\n").unwrap(), [["a", "", ""]]);
+    }
+
+    #[test]
+    fn cells_have_places() {
+        let mut cells = Cells::new("\u{feff}\"ä, b\", ü ,c\n".as_bytes());
+        assert_eq!(cells.row().unwrap().unwrap(), ["ä, b", "ü", "c"]);
+        let places: Vec<usize> = (0..4).map(|cell| cells.place_of(cell)).collect();
+        assert_eq!(places, [1, 9, 12, 13]);
+        let mut cells = Cells::new(&b"\xff,1\n"[..]);
+        assert!(cells.row().is_err());
+        assert_eq!(cells.place_of(1), 1);
     }
 
     #[test]

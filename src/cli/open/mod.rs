@@ -4,6 +4,7 @@ mod cells;
 pub mod inputs_table;
 pub mod intervals;
 pub mod mode;
+mod named_table;
 pub mod patterns;
 pub mod planned;
 pub mod pose;

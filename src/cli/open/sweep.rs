@@ -1,6 +1,6 @@
 //! Opening a sweep: the scene, the designs, the requested values, and the plan that identifies its rows.
 
-use super::cells::Cells;
+use super::named_table::NamedTable;
 use super::planned::{
     SCENE_FILE, cannot_read, mesh_bytes, mesh_folder, planned_text, refuse_table, scene_arguments,
 };
@@ -20,7 +20,7 @@ use crate::scene::{Overrides, Scene};
 use crate::sweep::design::Design;
 use crate::sweep::design_text::{OwnRange, is_written_out, read_design};
 use crate::sweep::swept_scene::{Instants, RequestedValues, Sweep};
-use std::io::{BufReader, Read};
+use std::io::Read;
 use std::path::Path;
 
 /// The verb, as plans name it.
@@ -244,40 +244,17 @@ fn read_table(path: &Path) -> Result<Vec<u8>, Failure> {
 
 /// A table of designs: every column is a parameter, every cell a number.
 fn table_design(bytes: &[u8], name: &str) -> Result<Design, Failure> {
-    let mut cells = Cells::new(BufReader::new(bytes));
-    let refused = |line: usize, why: String| {
-        Failure::usage(format!("{name}, line {line}: {why}"), Vec::new())
-    };
-    let names = cells.row().map_err(|why| refused(cells.number, why))?;
-    let names = names.unwrap_or_default();
-    for (k, column) in names.iter().enumerate() {
-        if column.is_empty() {
-            let why = format!("column {} has no name", k + 1);
-            return Err(refused(cells.number, why));
-        }
-        if names[..k].contains(column) {
-            let why = format!("two columns are called `{column}`");
-            return Err(refused(cells.number, why));
-        }
-    }
+    let mut table = NamedTable::read(name.to_owned(), Box::new(bytes))?;
+    table.refuse_unclear_columns()?;
     let mut values = Vec::new();
-    while let Some(row) = cells.row().map_err(|why| refused(cells.number, why))? {
-        if row.len() != names.len() {
-            let why = format!("{} cells under {} names", row.len(), names.len());
-            return Err(refused(cells.number, why));
-        }
-        for (cell, column) in row.iter().zip(&names) {
-            let value = cells.value(cell);
-            values.push(
-                value.map_err(|why| {
-                    refused(cells.number, format!("`{column}` is `{cell}`: {why}"))
-                })?,
-            );
+    while let Some(row) = table.next_row()? {
+        for column in 0..row.len() {
+            values.push(table.number(&row, column)?);
         }
     }
     if values.is_empty() {
         let message = format!("{name} has no rows of designs below its header");
         return Err(Failure::usage(message, Vec::new()));
     }
-    Ok(Design::table(names, values))
+    Ok(Design::table(table.header, values))
 }

@@ -1,19 +1,14 @@
 //! `--target TABLE.csv`: the required behaviour of a mechanism, row by row.
 
-use super::cells::Cells;
+use super::named_table::{NamedTable, TIME};
 use crate::analysis::synthesis::target::{FreeInput, Target, TargetColumn, TargetRow, slot_of};
 use crate::cli::term::outcome::Failure;
+use crate::diag::{list_names, name_hint};
 use crate::kinematics::motion::sampling::is_cyclic;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
-use crate::report::sentences::counted_things;
-use crate::scene::source::open_input;
 use std::f64::consts::TAU;
-use std::io::{BufRead, BufReader};
 use std::path::Path;
-
-/// Name of the column of seconds.
-const TIME: &str = "time";
 
 /// Name of the column of weights.
 const WEIGHT: &str = "weight";
@@ -39,18 +34,11 @@ pub fn read_target(
     (mechanism, actuation): (&Mechanism, &Actuation),
     own: usize,
 ) -> Result<Target, Failure> {
-    let name = path.display();
-    let failed = |e: std::io::Error| Failure::usage(format!("cannot read {name}: {e}"), Vec::new());
-    let file: Box<dyn BufRead> = match path == Path::new("-") {
-        true => Box::new(std::io::stdin().lock()),
-        false => Box::new(BufReader::new(open_input(path).map_err(failed)?)),
-    };
-    let mut table = TargetTable {
-        path,
+    let mut asked = TargetTable {
         mechanism,
         actuation,
         own,
-        cells: Cells::new(file),
+        table: NamedTable::open(path)?,
         columns: Vec::new(),
         target: Target {
             columns: Vec::new(),
@@ -60,30 +48,21 @@ pub fn read_target(
         keys: Vec::new(),
         ignored: 0,
     };
-    table.read_header()?;
-    while let Some(row) = table.next()? {
-        table.read(&row)?;
+    asked.read_header()?;
+    while let Some(row) = asked.table.next_row()? {
+        asked.read(&row)?;
     }
-    let is_empty = table.target.rows.is_empty();
-    if is_empty && table.ignored == 0 {
-        return Err(Failure::usage(format!("{name} has no rows"), Vec::new()));
-    }
-    if is_empty {
-        let message = format!("every row of {name} has weight 0");
-        let hint = "weights multiply squared errors: there would be nothing to fit".to_owned();
-        return Err(Failure::usage(message, vec![hint]));
-    }
-    table.target.free_input = table.free_input()?;
-    Ok(table.target)
+    asked.refuse_empty()?;
+    asked.target.free_input = asked.free_input()?;
+    Ok(asked.target)
 }
 
 /// A table being read.
 struct TargetTable<'t> {
-    path: &'t Path,
     mechanism: &'t Mechanism,
     actuation: &'t Actuation,
     own: usize,
-    cells: Cells<Box<dyn BufRead>>,
+    table: NamedTable<'static>,
     columns: Vec<TableColumn>,
     target: Target,
     /// Line numbers with the time or input values of each row.
@@ -92,78 +71,83 @@ struct TargetTable<'t> {
     ignored: usize,
 }
 
+/// The values of a row, in the mechanism's units.
+struct ReadRow {
+    targets: Vec<f64>,
+    weight: f64,
+    time: Option<f64>,
+    inputs: Vec<f64>,
+    /// The first column that says when the row is met, and the time or the inputs as written.
+    key: Option<(usize, Vec<f64>)>,
+}
+
 impl TargetTable<'_> {
-    /// An error at cell `column` of the last line read.
-    fn wrong(&self, row: &[String], column: usize, what: &str, hint: &str) -> Failure {
-        // Column at which the cell begins, if nothing before it is quoted.
-        let before: usize = row.iter().take(column).map(|c| c.chars().count() + 1).sum();
-        let place = format!(
-            "{}:{}:{}",
-            self.path.display(),
-            self.cells.number,
-            before + 1
-        );
-        Failure::usage(format!("{place}: {what}"), vec![hint.to_owned()])
-    }
-
-    fn next(&mut self) -> Result<Option<Vec<String>>, Failure> {
-        let row = self.cells.row();
-        row.map_err(|why| self.wrong(&[], 0, &why, "tables are CSV with a header"))
-    }
-
     fn read_header(&mut self) -> Result<(), Failure> {
-        let Some(header) = self.next()? else {
-            let message = format!("{} is empty", self.path.display());
-            let hint = "the first line names the columns".to_owned();
-            return Err(Failure::usage(message, vec![hint]));
-        };
-        let mechanism = self.mechanism;
-        for (k, name) in header.iter().enumerate() {
-            if header[..k].contains(name) {
-                let what = format!("there are two columns `{name}`");
-                return Err(self.wrong(&header, k, &what, "write one column per quantity"));
-            }
-            let mut inputs = mechanism.inputs.iter().take(self.own);
-            let input = inputs.position(|input| input.name == *name);
-            let column = match (name.as_str(), input, slot_of(mechanism, name)) {
-                (_, Some(input), _) => TableColumn::Input(input),
-                (TIME, _, None) => TableColumn::Time,
-                (WEIGHT, _, None) => TableColumn::Weight,
-                (_, None, Some(slot)) => {
-                    let is_angle = self.kind_of(slot) == Kind::Angle;
-                    self.target.columns.push(TargetColumn {
-                        name: name.clone(),
-                        slot,
-                        reach: if is_angle { mechanism.size } else { 1.0 },
-                        is_angle,
-                    });
-                    TableColumn::Target(self.target.columns.len() - 1)
-                }
-                (_, None, None) => {
-                    let what = format!(
-                        "`{name}` is not an input, unknown, output or coordinate of a traced point"
-                    );
-                    let hint = format!("available: {}", self.known_names());
-                    return Err(self.wrong(&header, k, &what, &hint));
-                }
+        self.table.refuse_unclear_columns()?;
+        let is_quantity = |name: &str| slot_of(self.mechanism, name).is_some();
+        let is_taken = |name: &str| self.own_input(name).is_some() || is_quantity(name);
+        let time = self.table.find_time(is_taken)?;
+        for k in 0..self.table.header.len() {
+            let column = match time == Some(k) {
+                true => TableColumn::Time,
+                false => self.column_of(k)?,
             };
             self.columns.push(column);
         }
-        let is_timed = self.columns.iter().any(|c| matches!(c, TableColumn::Time));
-        let place = self
-            .columns
-            .iter()
-            .position(|c| matches!(c, TableColumn::Input(_)));
-        if let Some(place) = place.filter(|_| is_timed) {
-            let what = "both inputs and times say when a row is met";
-            return Err(self.wrong(&header, place, what, "leave out one of the two columns"));
-        }
+        self.refuse_inputs_beside(time)?;
         if self.target.columns.is_empty() {
-            let what = "no column has targets";
-            let hint = format!("available: {}", self.known_names());
-            return Err(self.wrong(&header, 0, what, &hint));
+            let names = self.known_names();
+            let hint = list_names(names.iter().map(String::as_str));
+            return Err(self.table.fault(0, "no column has targets", &hint));
         }
         Ok(())
+    }
+
+    fn own_input(&self, name: &str) -> Option<usize> {
+        let mut inputs = self.mechanism.inputs.iter().take(self.own);
+        inputs.position(|input| input.name == name)
+    }
+
+    /// What a column other than the time contains; that of a target is added to the others.
+    fn column_of(&mut self, k: usize) -> Result<TableColumn, Failure> {
+        let name = self.table.header[k].clone();
+        if let Some(input) = self.own_input(&name) {
+            return Ok(TableColumn::Input(input));
+        }
+        let Some(slot) = slot_of(self.mechanism, &name) else {
+            return match name == WEIGHT {
+                true => Ok(TableColumn::Weight),
+                false => Err(self.unknown_column(k)),
+            };
+        };
+        let is_angle = self.kind_of(slot) == Kind::Angle;
+        self.target.columns.push(TargetColumn {
+            name,
+            slot,
+            reach: if is_angle { self.mechanism.size } else { 1.0 },
+            is_angle,
+        });
+        Ok(TableColumn::Target(self.target.columns.len() - 1))
+    }
+
+    fn unknown_column(&self, k: usize) -> Failure {
+        let name = &self.table.header[k];
+        let what =
+            format!("`{name}` is not an input, unknown, output or coordinate of a traced point");
+        let names = self.known_names();
+        let hint = name_hint(name, names.iter().map(String::as_str));
+        self.table.fault(k, &what, &hint)
+    }
+
+    fn refuse_inputs_beside(&self, time: Option<usize>) -> Result<(), Failure> {
+        let is_input = |column: &TableColumn| matches!(column, TableColumn::Input(_));
+        let input = self.columns.iter().position(is_input);
+        let Some((input, _)) = input.zip(time) else {
+            return Ok(());
+        };
+        let what = "both inputs and times say when a row is met";
+        let hint = "leave out one of the two columns";
+        Err(self.table.fault(input, what, hint))
     }
 
     fn kind_of(&self, slot: usize) -> Kind {
@@ -176,7 +160,8 @@ impl TargetTable<'_> {
         }
     }
 
-    fn known_names(&self) -> String {
+    /// Names that a column may have.
+    fn known_names(&self) -> Vec<String> {
         let mechanism = self.mechanism;
         let inputs = mechanism.inputs.iter().take(self.own);
         let inputs = inputs.map(|input| input.name.clone());
@@ -190,95 +175,117 @@ impl TargetTable<'_> {
             .chain(unknowns)
             .chain(inputs)
             .chain(own);
-        all.collect::<Vec<_>>().join(", ")
+        all.collect()
     }
 
-    /// Stores the values of a row.
+    /// Stores the values of a row; rows without weight are no targets.
     fn read(&mut self, row: &[String]) -> Result<(), Failure> {
-        let width = self.columns.len();
-        if row.len() != width {
-            let cells = counted_things(row.len(), "cell");
-            let what = format!("{cells} where the header has {width}");
-            let hint = "decimal commas need `;` or a tab between cells";
-            return Err(self.wrong(row, row.len().min(width), &what, hint));
-        }
         if self.target.rows.len() >= MOST_ROWS {
-            let message = format!("{} has more than {MOST_ROWS} rows", self.path.display());
+            let message = format!("{} has more than {MOST_ROWS} rows", self.table.name);
             return Err(Failure::usage(message, Vec::new()));
         }
-        let mut values = vec![0.0; self.target.columns.len()];
-        let (mut weight, mut time) = (1.0, None);
-        let mut inputs = self.actuation.inputs_at(0.0)[..self.own].to_vec();
-        let mut key: Option<(usize, Vec<f64>)> = None;
-        for (k, cell) in row.iter().enumerate() {
-            if cell.is_empty() {
-                let what = "a gap in the table";
-                return Err(self.wrong(
-                    row,
-                    k,
-                    what,
-                    "leave the whole row out, or set its weight to 0",
-                ));
-            }
-            let value = self.cells.value(cell);
-            let value = value
-                .map_err(|why| self.wrong(row, k, &format!("`{cell}` is not a number"), &why))?;
-            match self.columns[k] {
-                TableColumn::Time => {
-                    time = Some((k, value));
-                    key = Some((k, vec![value]));
-                }
-                TableColumn::Weight if value < 0.0 => {
-                    return Err(self.wrong(
-                        row,
-                        k,
-                        "a weight below zero",
-                        "weights multiply squared errors",
-                    ));
-                }
-                TableColumn::Weight => weight = value,
-                TableColumn::Input(input) => {
-                    let unit = self.mechanism.unit_of(self.mechanism.inputs[input].kind);
-                    inputs[input] = value * unit.number();
-                    let (_, list) = key.get_or_insert((k, Vec::new()));
-                    list.push(value);
-                }
-                TableColumn::Target(index) => {
-                    let kind = self.kind_of(self.target.columns[index].slot);
-                    values[index] = value * self.mechanism.unit_of(kind).number();
-                }
-            }
-        }
-        // Rows without weight are no targets.
-        if weight == 0.0 {
+        let found = self.read_cells(row)?;
+        if found.weight == 0.0 {
             self.ignored += 1;
             return Ok(());
         }
-        if let Some((k, time)) = time {
-            let last = self.actuation.duration;
-            if !(0.0..=last).contains(&time) {
-                let what = format!("time {time} s is outside of the drive");
-                let hint = format!("it lasts from 0 to {last} s");
-                return Err(self.wrong(row, k, &what, &hint));
-            }
-            inputs = self.actuation.inputs_at(time)[..self.own].to_vec();
-        }
-        let line = self.cells.number;
-        if let Some((k, key)) = &key {
-            if let Some((other, _)) = self.keys.iter().find(|(_, known)| known == key) {
-                let what = format!("line {other} has the same time or inputs");
-                let hint = "write one row per time, with all targets of a pose in it";
-                return Err(self.wrong(row, *k, &what, hint));
-            }
-            self.keys.push((line, key.clone()));
-        }
+        let inputs = self.inputs_of(&found)?;
+        self.refuse_repeated(&found)?;
         self.target.rows.push(TargetRow {
-            line,
-            inputs: key.map(|_| inputs),
-            values,
-            weight,
+            line: self.table.line(),
+            inputs,
+            values: found.targets,
+            weight: found.weight,
         });
         Ok(())
+    }
+
+    fn read_cells(&mut self, row: &[String]) -> Result<ReadRow, Failure> {
+        let mut found = ReadRow {
+            targets: vec![0.0; self.target.columns.len()],
+            weight: 1.0,
+            time: None,
+            inputs: self.actuation.inputs_at(0.0)[..self.own].to_vec(),
+            key: None,
+        };
+        for (k, cell) in row.iter().enumerate() {
+            if cell.is_empty() {
+                let hint = "leave the whole row out, or set its weight to 0";
+                return Err(self.table.fault(k, "a gap in the table", hint));
+            }
+            let value = self.table.number(row, k)?;
+            self.read_cell(k, value, &mut found)?;
+        }
+        Ok(found)
+    }
+
+    fn read_cell(&self, k: usize, value: f64, found: &mut ReadRow) -> Result<(), Failure> {
+        match self.columns[k] {
+            TableColumn::Time => {
+                found.time = Some(value);
+                found.key = Some((k, vec![value]));
+            }
+            TableColumn::Weight if value < 0.0 => {
+                let hint = "weights multiply squared errors";
+                return Err(self.table.fault(k, "a weight below zero", hint));
+            }
+            TableColumn::Weight => found.weight = value,
+            TableColumn::Input(input) => {
+                let unit = self.mechanism.unit_of(self.mechanism.inputs[input].kind);
+                found.inputs[input] = value * unit.number();
+                let (_, list) = found.key.get_or_insert((k, Vec::new()));
+                list.push(value);
+            }
+            TableColumn::Target(index) => {
+                let kind = self.kind_of(self.target.columns[index].slot);
+                found.targets[index] = value * self.mechanism.unit_of(kind).number();
+            }
+        }
+        Ok(())
+    }
+
+    /// The inputs at which a row is met, if it says so: its own, or those of the drive at its time.
+    fn inputs_of(&self, found: &ReadRow) -> Result<Option<Vec<f64>>, Failure> {
+        let Some((k, _)) = found.key else {
+            return Ok(None);
+        };
+        let Some(time) = found.time else {
+            return Ok(Some(found.inputs.clone()));
+        };
+        let last = self.actuation.duration;
+        if !(0.0..=last).contains(&time) {
+            let what = format!("time {time} s is outside of the drive");
+            let hint = format!("it lasts from 0 to {last} s");
+            return Err(self.table.fault(k, &what, &hint));
+        }
+        Ok(Some(self.actuation.inputs_at(time)[..self.own].to_vec()))
+    }
+
+    fn refuse_repeated(&mut self, found: &ReadRow) -> Result<(), Failure> {
+        let Some((k, key)) = &found.key else {
+            return Ok(());
+        };
+        if let Some((other, _)) = self.keys.iter().find(|(_, known)| known == key) {
+            let what = format!("line {other} has the same time or inputs");
+            let hint = "write one row per time, with all targets of a pose in it";
+            return Err(self.table.fault(*k, &what, hint));
+        }
+        self.keys.push((self.table.line(), key.clone()));
+        Ok(())
+    }
+
+    /// Refuses a table that asks for nothing.
+    fn refuse_empty(&self) -> Result<(), Failure> {
+        let name = &self.table.name;
+        if !self.target.rows.is_empty() {
+            return Ok(());
+        }
+        if self.ignored == 0 {
+            return Err(Failure::usage(format!("{name} has no rows"), Vec::new()));
+        }
+        let message = format!("every row of {name} has weight 0");
+        let hint = "weights multiply squared errors: there would be nothing to fit".to_owned();
+        Err(Failure::usage(message, vec![hint]))
     }
 
     /// The free input, where the table has no column for inputs.
@@ -301,7 +308,7 @@ impl TargetTable<'_> {
         let &[input] = moving.as_slice() else {
             let message = format!(
                 "{} does not say when its rows are met, and {} inputs move",
-                self.path.display(),
+                self.table.name,
                 moving.len()
             );
             let hint = format!("add a column `{TIME}`, or one for every input");

@@ -16,9 +16,10 @@ use crate::page::markup::state_class;
 use crate::page::model::{changed_shapes, motion_value, viewer_model};
 use crate::page::still::view_of;
 use crate::report::clearance::{clearance_cases, pair_sentence};
+use crate::report::event_sentences::{event_sentence, gap_sentence};
 use crate::report::proof::PoseProofs;
 use crate::report::rounded::at_most;
-use crate::report::sentences::{counted_things, event_sentence, gap_sentence};
+use crate::report::sentences::counted_things;
 use crate::report::verdict::{CLEARANCE, Status, Verdict};
 use serde_json::{Value, json};
 

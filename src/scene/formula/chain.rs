@@ -3,7 +3,7 @@
 use super::expression::Parser;
 use super::lexer::{TokenKind, tokenize_text};
 use super::node::FormulaNode;
-use crate::diag::{Diagnostic, Span};
+use crate::diag::{Diagnostic, Span, name_hint};
 use crate::model::chain::ElementaryMotion;
 
 /// One factor as typed.
@@ -118,10 +118,10 @@ fn parse_product(parser: &mut Parser, depth: usize) -> Result<Vec<Item>, Diagnos
 
 fn parse_transform(parser: &mut Parser, name: &str, span: Span) -> Result<Item, Diagnostic> {
     let Some(transform) = Transform::from_name(name) else {
+        let names = Transform::NAMES.iter().map(|(name, _)| *name);
         return Err(Diagnostic::error(format!("unknown transform `{name}`"))
             .at(span)
-            .suggest(name, Transform::NAMES.iter().map(|(n, _)| *n))
-            .hint("known: Tx Ty Tz Rx Ry Rz T(x,y,z) R(ux,uy,uz,angle) Hx Hy Hz(pitch,angle) inv(chain)"));
+            .hint(name_hint(name, names.chain(["inv"]))));
     };
     parser.restart_count();
     let mut arguments = vec![parser.expression()?];

@@ -3,6 +3,8 @@
 use super::super::file::{InputFile, SceneFile};
 use super::super::formula::compile::{CompiledValue, compile_formula, constant_node};
 use super::super::formula::node::FormulaNode;
+use super::super::reader::Spanned;
+use super::choices::unknown_word;
 use super::names::{Meaning, Names};
 use super::parsed::{Parsed, ParsedInput};
 use super::parsing::parsed_expression;
@@ -69,41 +71,13 @@ fn resolve_drive(
     names: &Names,
     wanted: Option<Kind>,
 ) -> Result<Drive, Diagnostic> {
-    let radians = |node: &FormulaNode| names.in_radians(node.clone(), wanted);
     match (input, file) {
         (ParsedInput::Keys(keys), InputFile::Keys { keys: place, ease }) => {
-            // Keys: an easing, and times that ascend.
-            let ease = match ease {
-                None => Ease::Linear,
-                Some(word) => {
-                    let known = Ease::NAMES.iter().find(|(name, _)| *name == word.value);
-                    known.map(|(_, ease)| *ease).ok_or_else(|| {
-                        Diagnostic::error(format!("unknown easing `{}`", word.value))
-                            .at(word.span.clone())
-                            .hint(format!(
-                                "one of {}",
-                                Ease::NAMES.map(|(name, _)| name).join(", ")
-                            ))
-                    })?
-                }
-            };
-            let (mut times, mut values) = (Vec::new(), Vec::new());
-            for [time, value] in keys {
-                let time_node = names.in_radians(time.clone(), Some(Kind::Number));
-                let at = constant_node(&time_node, &|n, s| names.constant(n, s))?;
-                if times.last().is_some_and(|last| at <= *last) {
-                    return Err(Diagnostic::error("the times of the keys must ascend")
-                        .at(time.span.clone()));
-                }
-                times.push(at);
-                values.push(constant_node(&radians(value), &|n, s| {
-                    names.constant(n, s)
-                })?);
-            }
+            let ease = resolve_ease(ease.as_ref())?;
+            let (times, values) = resolve_keys(keys, names, wanted)?;
             if times.is_empty() {
-                return Err(
-                    Diagnostic::error("an input needs at least one key").at(place.span.clone())
-                );
+                let message = "an input needs at least one key";
+                return Err(Diagnostic::error(message).at(place.span.clone()));
             }
             Ok(Drive::Keys {
                 times,
@@ -117,10 +91,46 @@ fn resolve_drive(
                 TIME => Ok(CompiledValue::Slot(0)),
                 _ => names.constant_of_drive(name, span),
             };
-            Ok(Drive::Formula(compile_formula(&radians(node), &lookup)?))
+            let node = names.in_radians(node.clone(), wanted);
+            Ok(Drive::Formula(compile_formula(&node, &lookup)?))
         }
         (ParsedInput::Keys(_), _) => Err(Diagnostic::inherited()),
     }
+}
+
+fn resolve_ease(word: Option<&Spanned<String>>) -> Result<Ease, Diagnostic> {
+    let Some(word) = word else {
+        return Ok(Ease::Linear);
+    };
+    let mut known = Ease::NAMES.iter();
+    let known = known.find(|(name, _)| *name == word.value);
+    let names = || Ease::NAMES.map(|(name, _)| name);
+    known
+        .map(|(_, ease)| *ease)
+        .ok_or_else(|| unknown_word(word, "easing", names()))
+}
+
+/// Times that ascend, and the values at them.
+fn resolve_keys(
+    keys: &[[FormulaNode; 2]],
+    names: &Names,
+    wanted: Option<Kind>,
+) -> Result<(Vec<f64>, Vec<f64>), Diagnostic> {
+    let constant = |node: &FormulaNode, kind| {
+        let node = names.in_radians(node.clone(), kind);
+        constant_node(&node, &|n, s| names.constant(n, s))
+    };
+    let (mut times, mut values) = (Vec::new(), Vec::new());
+    for [time, value] in keys {
+        let at = constant(time, Some(Kind::Number))?;
+        if times.last().is_some_and(|last| at <= *last) {
+            let message = "the times of the keys must ascend";
+            return Err(Diagnostic::error(message).at(time.span.clone()));
+        }
+        times.push(at);
+        values.push(constant(value, wanted)?);
+    }
+    Ok((times, values))
 }
 
 fn resolve_guess(
@@ -133,31 +143,9 @@ fn resolve_guess(
     for (name, node) in &parsed.guess {
         let Some(Meaning::Unknown(index)) = names.meaning(&name.value) else {
             // If loops are unreadable, the name may be one of their unknowns.
-            if !names.is_complete() {
-                continue;
+            if names.is_complete() {
+                diagnostics.push(unused_guess(name, parsed, names));
             }
-            // Parallel cylinders turn some unknowns of their contact into constants.
-            if names.is_settled(&name.value, parsed) {
-                let message = format!("the start value of `{}` is not used", name.value);
-                let hint = "the axes of the two cylinders are parallel, so that it is constant";
-                diagnostics.push(
-                    Diagnostic::warning(message)
-                        .at(name.span.clone())
-                        .hint(hint),
-                );
-                continue;
-            }
-            let unknowns = names.unknowns.iter().map(|c| c.name.as_str());
-            let message = format!(
-                "start value for `{}`, which is not an unknown of any loop",
-                name.value
-            );
-            let diagnostic = Diagnostic::error(message).at(name.span.clone());
-            let is_input = names.inputs.iter().any(|input| input.name == name.value);
-            diagnostics.push(match is_input {
-                true => diagnostic.hint("it is an input, which its drive gives a value"),
-                false => names.suggest(diagnostic, &name.value, unknowns),
-            });
             continue;
         };
         // Start values are constants in the file's units.
@@ -171,6 +159,24 @@ fn resolve_guess(
     (guess, named)
 }
 
+/// What is wrong with a start value of something that is not an unknown.
+fn unused_guess(name: &Spanned<String>, parsed: &Parsed, names: &Names) -> Diagnostic {
+    let (word, place) = (&name.value, name.span.clone());
+    // Parallel cylinders turn some unknowns of their contact into constants.
+    if names.is_settled(word, parsed) {
+        let message = format!("the start value of `{word}` is not used");
+        let hint = "the axes of the two cylinders are parallel, so that it is constant";
+        return Diagnostic::warning(message).at(place).hint(hint);
+    }
+    let message = format!("start value for `{word}`, which is not an unknown of any loop");
+    let diagnostic = Diagnostic::error(message).at(place);
+    if names.inputs.iter().any(|input| input.name == *word) {
+        return diagnostic.hint("it is an input, which its drive gives a value");
+    }
+    let unknowns = names.unknowns.iter().map(|c| c.name.as_str());
+    names.suggest(diagnostic, word, unknowns)
+}
+
 /// The `duration` key, else the time of the last keyframe, else one second (nothing moves).
 fn resolve_duration(
     file: &SceneFile,
@@ -179,37 +185,35 @@ fn resolve_duration(
     diagnostics: &mut Diagnostics,
 ) -> Option<f64> {
     let Some(text) = &file.duration else {
-        // Without the key, the last keyframe ends the motion; formulas have no end of their own.
-        let drives = drives?;
-        let last = drives
-            .iter()
-            .filter_map(Drive::last_key)
-            .fold(0.0, f64::max);
-        let moving = drives.iter().position(|d| !d.is_constant());
-        if let (true, Some(moving)) = (last == 0.0, moving) {
-            let mut diagnostic = Diagnostic::error("the duration of the motion is unknown")
-                .hint("add `duration = 2.0` (seconds)");
-            if let InputFile::Formula(text) = &file.inputs[moving].1 {
-                diagnostic = diagnostic.at(text.span.clone());
-            }
-            diagnostics.push(diagnostic);
-        }
-        return Some(if last > 0.0 { last } else { 1.0 });
+        return Some(duration_of_drives(file, drives?, diagnostics));
     };
     // With the key: a constant number of seconds in the accepted range.
     let node = names.in_radians(parsed_expression(text, diagnostics)?, Some(Kind::Number));
-    match constant_node(&node, &|n, s| names.constant(n, s)) {
-        Ok(value) if (MIN_DURATION..=MAX_DURATION).contains(&value) => Some(value),
-        Ok(value) => {
-            let value = shown_number(value);
-            let message =
-                format!("duration must be above 0 and at most {MAX_DURATION:e} s, found {value}");
-            diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
-            None
-        }
-        Err(diagnostic) => {
-            diagnostics.push(diagnostic);
-            None
-        }
+    let value = constant_node(&node, &|n, s| names.constant(n, s));
+    let value = value.map_err(|d| diagnostics.push(d)).ok()?;
+    if (MIN_DURATION..=MAX_DURATION).contains(&value) {
+        return Some(value);
     }
+    let value = shown_number(value);
+    let message = format!("duration must be above 0 and at most {MAX_DURATION:e} s, found {value}");
+    diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
+    None
+}
+
+/// The time of the last keyframe; formulas have no end of their own.
+fn duration_of_drives(file: &SceneFile, drives: &[Drive], diagnostics: &mut Diagnostics) -> f64 {
+    let last = drives.iter().filter_map(Drive::last_key);
+    let last = last.fold(0.0, f64::max);
+    if last > 0.0 {
+        return last;
+    }
+    if let Some(moving) = drives.iter().position(|d| !d.is_constant()) {
+        let mut diagnostic = Diagnostic::error("the duration of the motion is unknown")
+            .hint("add `duration = 2.0` (seconds)");
+        if let InputFile::Formula(text) = &file.inputs[moving].1 {
+            diagnostic = diagnostic.at(text.span.clone());
+        }
+        diagnostics.push(diagnostic);
+    }
+    1.0
 }

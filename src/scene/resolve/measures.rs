@@ -11,7 +11,7 @@ use super::outputs::Scope;
 use super::parsing::parsed_expression;
 use super::rates::{FoundRates, TIME, find_derivative};
 use super::varied::Dependents;
-use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
+use crate::diag::{Diagnostic, Diagnostics, Span, name_hint, shown_number};
 use crate::model::dimension::PhysicalDimension;
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource, MeasuredTrack, Taking};
@@ -325,8 +325,7 @@ fn resolve_taking(
         diagnostics.push(
             Diagnostic::error(format!("`{}` cannot be taken", take.value))
                 .at(take.span.clone())
-                .suggest(&take.value, names)
-                .hint(format!("one of {}", names.join(", "))),
+                .hint(name_hint(&take.value, names)),
         );
         return None;
     };

@@ -7,6 +7,7 @@ pub mod camera;
 mod carried;
 pub mod choices;
 mod clearance;
+mod closure;
 mod contacts;
 mod coordinates;
 mod decor;
@@ -17,10 +18,13 @@ mod loops;
 mod magnitudes;
 mod measures;
 mod meshes;
+mod named_file;
+mod named_results;
 mod names;
 mod outputs;
 mod parsed;
 mod parsing;
+mod placed_bodies;
 mod plots;
 pub mod range;
 mod rates;
@@ -42,23 +46,24 @@ mod written;
 use super::file::SceneFile;
 use super::loaded::Scene;
 use super::overrides::Overrides;
-use crate::diag::{Diagnostic, Diagnostics};
+use crate::diag::Diagnostics;
 use crate::model::actuation::Actuation;
-use crate::model::drive::Drive;
+use crate::model::chain::Argument;
 use crate::model::joints::Joints;
 use crate::model::measure::Measures;
-use crate::model::mechanism::{AngleUnit, Bar, Equation, Kind, Loop, Mechanism};
-use crate::numbers::constant::Constant;
-use bars::equations::resolve_bars;
-use contacts::closure::Contacts;
+use crate::model::mechanism::{Kind, Mechanism};
+use closure::ClosureConditions;
+use coordinates::Coordinates;
 use joints::FoldedJoints;
-use meshes::MeshFiles;
+use named_file::NamedFile;
+use named_results::NamedResults;
 use names::Names;
-use outputs::Scope;
 use parsed::Parsed;
+use placed_bodies::PlacedBodies;
 use settled_starts::start_poses;
 use size::mechanism_size;
 use std::sync::Arc;
+use varied::Dependents;
 
 /// Resolves everything; `None` if errors leave nothing meaningful. Relative file names refer to the folder of
 /// `overrides`; its varied parameters become constant inputs.
@@ -67,194 +72,110 @@ pub fn resolve_scene(
     overrides: &Overrides,
     diagnostics: &mut Diagnostics,
 ) -> Option<Scene> {
-    let varied = overrides.vary.as_slice();
-    let mut meshes = MeshFiles::new(&overrides.folder, &overrides.allowed_folders);
-    let angle_unit = angle_unit(file, diagnostics);
-    // Names: parse everything, then find out what each name is and what it measures.
-    let mut parsed = Parsed::new(file, diagnostics);
-    let mut names = Names::collect(file, &parsed, &angle_unit, diagnostics);
-    names.infer_kinds(&parsed, diagnostics);
-    if overrides.carries_shapes {
-        let of_solids = kinds_of_names::dimensions_of_solids(file, &parsed);
-        names.infer_more_kinds(&of_solids, &parsed);
-    }
-    names.evaluate_parameters(&parsed, diagnostics);
-    // Variables of a study become constant inputs, with parameters computed from them written out.
-    let kept = varied::kept_parameters(&parsed, &names, varied);
-    varied::expand_dependents(&mut parsed, &names, varied, diagnostics);
-    let varied_values = names.promote_parameters(varied);
-    // Equations: the file's loops and equations, then those of bars and contacts.
-    contacts::parallel::settle_parallel(&parsed, &mut names);
-    let mut joints = FoldedJoints::new(&names);
-    let ClosureConditions {
-        loops,
-        equations,
-        bars,
-        contacts,
-    } = resolve_closure(&parsed, (&names, &angle_unit), &mut joints, diagnostics);
-    // Bodies and traced points; in a study their chains follow the variables.
-    let mut bodies =
-        bodies::resolve_bodies(file, &parsed, &names, &mut joints, &mut meshes, diagnostics);
-    let mut traces = bodies::body_traces(file, &names, &bodies, diagnostics);
-    if !varied.is_empty() && !diagnostics.has_errors() {
-        let points = (&mut bodies, &mut traces[..]);
-        varied::carry_points(file, &parsed, varied, &mut joints, points, diagnostics);
-    }
-    let dependents = varied::Dependents::new(&parsed, &names, varied);
-    let shaped_by = carried::variables_of_shapes((file, &parsed), &dependents);
-    let mut carried = Vec::new();
-    if overrides.carries_shapes && !diagnostics.has_errors() {
-        carried = carried::carry_shapes((file, &parsed), &dependents, &mut joints, diagnostics);
-    }
-    // Outputs come last of the formulas on poses, since they may use contacts and traced points.
-    let scope = Scope::resolve(
-        (file, &parsed),
-        &bodies,
-        &names,
-        &traces,
-        &contacts,
-        &angle_unit,
-        diagnostics,
-    );
-    // Drives and start values; the variables of a study are constant drives.
-    let mut coordinates = coordinates::resolve_coordinates(file, &parsed, &names, diagnostics);
-    if let Some(coordinates) = &mut coordinates {
-        let resting = varied_values.into_iter().map(Drive::constant);
-        coordinates.drives.extend(resting);
-    }
-    // Everything that refers to the finished mechanism by name: plots, view, clearance, tracks, measures, study.
-    let plots = plots::resolve_plots(file, &scope, diagnostics);
-    let view = view::resolve_view(file, &names, &bodies, &traces, diagnostics);
-    let constants = body_constants::BodyConstants { names: &names };
-    let clearance = file
-        .clearance
-        .as_ref()
-        .map(|section| clearance::resolve_clearance(section, &constants, &bodies, diagnostics));
-    let start = coordinates.iter().flat_map(|c| &c.drives);
-    let start: Vec<f64> = start.map(|drive| drive.value(0.0)).collect();
-    // Without drives, whose errors have been reported, tracks cannot be resolved.
-    let tracks = match start.len() == names.inputs.len() {
-        true => measures::resolve_tracks(file, &scope, &start, diagnostics),
-        false => Vec::new(),
-    };
-    let mut measures = measures::resolve_measures(
-        file,
-        (&scope, &dependents),
-        (&tracks, overrides.derives_measures),
-        diagnostics,
-    );
-    let outputs = scope.outputs;
-    let is_empty = loops.is_empty() && equations.is_empty() && bodies.is_empty();
-    if is_empty && outputs.is_empty() && !diagnostics.has_errors() {
-        diagnostics.push(nothing_to_solve());
-    }
-    let units = (&names, &angle_unit);
-    let study = study::resolve_study(file, units, &measures, overrides, diagnostics);
-    let coordinates = coordinates?;
+    let named = NamedFile::resolve(file, overrides, diagnostics);
+    let mut joints = FoldedJoints::new(&named.names);
+    let closure = ClosureConditions::resolve(&named, &mut joints, diagnostics);
+    let dependents = Dependents::new(&named.parsed, &named.names, &overrides.vary);
+    let mut placed = PlacedBodies::resolve(&named, &dependents, &mut joints, diagnostics);
+    let mut results = NamedResults::resolve(&named, (&closure, &placed), &dependents, diagnostics);
+    let coordinates = results.coordinates.take()?;
     // All errors have been collected; from here on nothing can fail.
     if diagnostics.has_errors() {
         return None;
     }
-    let arguments = joints.arguments;
-    let mut mechanism = Mechanism {
-        title: file
-            .title
-            .clone()
-            .unwrap_or_else(|| "untitled mechanism".to_owned()),
+    let parts = (&mut placed, &mut results);
+    let mechanism = assemble_mechanism(&named, closure, joints.arguments, parts);
+    let (mechanism, actuation) = finish_mechanism(mechanism, coordinates, &named);
+    loops::warn_of_loops(&mechanism, &named.parsed, diagnostics);
+    Some(assemble_scene(
+        &named, mechanism, actuation, placed, results,
+    ))
+}
+
+/// The mechanism, as yet without its sizes and its table of joints.
+fn assemble_mechanism(
+    named: &NamedFile,
+    closure: ClosureConditions,
+    arguments: Vec<Argument>,
+    (placed, results): (&mut PlacedBodies, &mut NamedResults),
+) -> Mechanism {
+    let (file, names) = (named.file, &named.names);
+    let contacts = named.parsed.contacts.iter();
+    let title = file.title.clone();
+    Mechanism {
+        title: title.unwrap_or_else(|| "untitled mechanism".to_owned()),
         length_unit: file.length_unit.clone().unwrap_or_else(|| "m".to_owned()),
-        angle_unit: angle_unit.clone(),
+        angle_unit: named.angle_unit.clone(),
         unknowns: names.unknowns.clone(),
         inputs: names.inputs.clone(),
         arguments,
         sliding: Vec::new(),
-        loops,
-        equations,
-        bars,
-        contacts: parsed
-            .contacts
-            .iter()
-            .map(|c| c.name.value.clone())
-            .collect(),
-        crossings: contacts.crossings,
-        bodies,
-        traces,
-        outputs,
+        loops: closure.loops,
+        equations: closure.equations,
+        bars: closure.bars,
+        contacts: contacts.map(|c| c.name.value.clone()).collect(),
+        crossings: closure.contacts.crossings,
+        bodies: std::mem::take(&mut placed.bodies),
+        traces: std::mem::take(&mut placed.traces),
+        outputs: std::mem::take(&mut results.outputs),
         joints: Joints::default(),
         size: 1.0,
         scales: Vec::new(),
-    };
+    }
+}
+
+/// Adds what follows from the start of the motion and from the finished chains.
+fn finish_mechanism(
+    mut mechanism: Mechanism,
+    coordinates: Coordinates,
+    named: &NamedFile,
+) -> (Mechanism, Actuation) {
     let mut actuation = Actuation {
         drives: coordinates.drives,
         duration: coordinates.duration,
         guess: coordinates.guess,
         named: coordinates.named,
     };
-    estimate_numbers(
-        &mut mechanism,
-        &mut actuation,
-        (&parsed, &names),
-        overrides.size,
-    );
-    let lengths = measures.iter_mut().filter(|m| m.kind == Kind::Length);
-    lengths.for_each(|measure| measure.size = mechanism.size);
+    let texts = (&named.parsed, &named.names);
+    estimate_numbers(&mut mechanism, &mut actuation, texts, named.overrides.size);
     mechanism.sliding = mechanism.sliding_arguments();
     // The table of joints and links is built once, from the finished chains.
     mechanism.joints = Joints::new(&mechanism);
-    loops::warn_of_loops(&mechanism, &parsed, diagnostics);
-    let notation = overrides
-        .notation
-        .then(|| written::resolve_notation(file, &parsed, &names, &mechanism));
-    let description = file.description.clone().unwrap_or_default();
-    Some(Scene {
-        description,
+    (mechanism, actuation)
+}
+
+fn assemble_scene(
+    named: &NamedFile,
+    mechanism: Mechanism,
+    actuation: Actuation,
+    placed: PlacedBodies,
+    mut results: NamedResults,
+) -> Scene {
+    let (file, parsed, names) = (named.file, &named.parsed, &named.names);
+    let measures = results.measures.iter_mut();
+    let lengths = measures.filter(|m| m.kind == Kind::Length);
+    lengths.for_each(|measure| measure.size = mechanism.size);
+    let notation = named.overrides.notation;
+    let notation = notation.then(|| written::resolve_notation(file, parsed, names, &mechanism));
+    Scene {
+        description: file.description.clone().unwrap_or_default(),
         mechanism: Arc::new(mechanism),
         actuation,
         measures: Arc::new(Measures {
-            tracks,
-            list: measures,
+            tracks: results.tracks,
+            list: results.measures,
         }),
-        view: Arc::new(view),
-        study: study.map(Arc::new),
-        dimensions: names.dimensions(&parsed).into(),
+        view: Arc::new(results.view),
+        study: results.study.map(Arc::new),
+        dimensions: names.dimensions(parsed).into(),
         kinds: names.parameter_kinds().into(),
-        kept,
-        clearance: clearance.map(Arc::new),
-        plots: plots.into(),
+        kept: named.kept.clone(),
+        clearance: results.clearance.map(Arc::new),
+        plots: results.plots.into(),
         notation,
-        carried,
-        shaped_by,
+        carried: placed.carried,
+        shaped_by: placed.shaped_by,
         warnings: Diagnostics::default(),
-    })
-}
-
-/// Everything that must close: loops and equations, with the bars and contacts that some of them come from.
-struct ClosureConditions {
-    loops: Vec<Loop>,
-    equations: Vec<Equation>,
-    bars: Vec<Bar>,
-    contacts: Contacts,
-}
-
-/// The file's loops and equations, then those of its bars and contacts.
-fn resolve_closure(
-    parsed: &Parsed,
-    named: (&Names, &AngleUnit),
-    joints: &mut FoldedJoints,
-    diagnostics: &mut Diagnostics,
-) -> ClosureConditions {
-    let mut loops = joints.loops(parsed, diagnostics);
-    let mut equations = joints.equations(parsed, diagnostics);
-    let mut bars = resolve_bars(&parsed.bars, named.0, joints, diagnostics);
-    loops.append(&mut bars.loops);
-    equations.append(&mut bars.equations);
-    let mut contacts = Contacts::resolve(&parsed.contacts, named.0, joints, diagnostics);
-    loops.append(&mut contacts.loops);
-    equations.append(&mut contacts.equations);
-    ClosureConditions {
-        loops,
-        equations,
-        bars: bars.list,
-        contacts,
     }
 }
 
@@ -280,27 +201,4 @@ fn estimate_numbers(
     mechanism.size = size.unwrap_or_else(|| mechanism_size(mechanism, (actuation, &poses), names));
     scales::estimate_scales(mechanism, poses.clone());
     magnitudes::estimate_magnitudes(mechanism, poses);
-}
-
-fn nothing_to_solve() -> Diagnostic {
-    Diagnostic::error("the scene has no loop, no body and no output")
-        .at(0..0)
-        .hint("write at least one closed loop: `[loops]` then `A = \"T12 T23 T31\"`")
-}
-
-fn angle_unit(file: &SceneFile, diagnostics: &mut Diagnostics) -> AngleUnit {
-    let unit = file.angle_unit.as_ref();
-    let name = unit.map_or("rad", |s| s.value.as_str());
-    AngleUnit::from_name(name).unwrap_or_else(|| {
-        let span = unit.map_or(0..0, |s| s.span.clone());
-        diagnostics.push(
-            Diagnostic::error(format!("unknown angle unit `{name}`"))
-                .at(span)
-                .hint("rad or deg"),
-        );
-        AngleUnit {
-            name: name.to_owned(),
-            radians: Constant::exact(1.0),
-        }
-    })
 }

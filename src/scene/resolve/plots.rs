@@ -5,6 +5,7 @@ use super::super::formula::compile::constant_node;
 use super::super::formula::kinds::is_angle_by_itself;
 use super::super::formula::node::{DerivativeNode, FormulaNode, NodeKind};
 use super::super::plots::PlotFile;
+use super::choices::chosen_angle_unit;
 use super::derivative_text::{rate_label, text_part};
 use super::outputs::Scope;
 use super::parsing::parsed_expression;
@@ -27,28 +28,16 @@ struct TextSite<'a> {
 pub fn resolve_plots(file: &SceneFile, scope: &Scope, diagnostics: &mut Diagnostics) -> Vec<Plot> {
     let mut plots = Vec::new();
     for plot in &file.plots {
+        let own = plot.angle.as_ref();
+        let own = own.and_then(|word| chosen_angle_unit(word, diagnostics));
         let site = TextSite {
             scope,
             length_unit: file.length_unit.as_deref().unwrap_or("m"),
-            angle_unit: angle_unit(plot, scope.unit, diagnostics),
+            angle_unit: own.unwrap_or_else(|| scope.unit.clone()),
         };
         plots.extend(site.plot(plot, diagnostics));
     }
     plots
-}
-
-fn angle_unit(plot: &PlotFile, scene: &AngleUnit, diagnostics: &mut Diagnostics) -> AngleUnit {
-    let Some(name) = &plot.angle else {
-        return scene.clone();
-    };
-    AngleUnit::from_name(&name.value).unwrap_or_else(|| {
-        diagnostics.push(
-            Diagnostic::error(format!("unknown angle unit `{}`", name.value))
-                .at(name.span.clone())
-                .hint("rad or deg"),
-        );
-        scene.clone()
-    })
 }
 
 impl TextSite<'_> {

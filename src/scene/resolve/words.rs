@@ -1,5 +1,6 @@
 //! Checks names: each must be unique and not a word of the formula language.
 
+use super::super::columns::is_column;
 use super::super::file::SceneFile;
 use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::model::expression::Function;
@@ -11,36 +12,9 @@ pub const TIME: &str = "t";
 /// Words of the formula language besides its functions.
 const RESERVED: [&str; 7] = [TIME, "pi", "π", "E", "inv", "nan", "inf"];
 
-/// Columns that tables of motions and of sweeps have besides the names of a scene.
-const COLUMNS: [&str; 23] = [
-    "time",
-    "closure_error",
-    "sigma_min",
-    "condition",
-    "rank",
-    "branch",
-    "error_bound",
-    "unique_radius",
-    "closes_to",
-    "iterations",
-    "status",
-    "motion_tubes",
-    "motion_radius",
-    "motion_unique",
-    "motion_closes_to",
-    "motion_status",
-    "design",
-    "feasible",
-    "unproved",
-    "passed",
-    "clearance_margin",
-    "proved_margin",
-    "piece",
-];
-
 /// What is wrong with a name of a coordinate, an output or a measure, each of which is a column: that tables have it already.
 pub fn taken_by_tables(word: &str, place: &Span) -> Option<Diagnostic> {
-    COLUMNS.contains(&word).then(|| {
+    is_column(word).then(|| {
         let hint = match word {
             "time" => {
                 format!("in the formulas of inputs the time is `{TIME}`; choose another name")

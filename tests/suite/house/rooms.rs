@@ -9,7 +9,7 @@ use super::source::{Source, sources};
 /// floors; rooms of one floor know nothing of each other. A room in a room is named apart.
 const FLOORS: &[&[&str]] = &[
     &[
-        "diag.rs", "limits/", "math.rs", "jobs.rs", "weld.rs", "linalg/",
+        "diag/", "limits/", "math.rs", "jobs.rs", "weld.rs", "linalg/",
     ],
     &["numbers/"],
     &["intervals/"],
@@ -54,7 +54,7 @@ const NARROW: &[(&str, &[&str])] = &[
     ("intervals/", &["linalg/", "math.rs", "numbers/"]),
     (
         "geometry/",
-        &["diag.rs", "limits/", "math.rs", "weld.rs", "model/shape.rs"],
+        &["diag/", "limits/", "math.rs", "weld.rs", "model/shape.rs"],
     ),
     ("render/", &["limits/", "math.rs", "weld.rs", "geometry/"]),
     ("export/", &["math.rs", "geometry/", "numbers/decimal.rs"]),
@@ -62,7 +62,7 @@ const NARROW: &[(&str, &[&str])] = &[
     ("parts/", &["export/"]),
     (
         "plot/",
-        &["diag.rs", "math.rs", "numbers/decimal.rs", "render/text/"],
+        &["diag/", "math.rs", "numbers/decimal.rs", "render/text/"],
     ),
     ("compare/", &["import/"]),
 ];
@@ -210,8 +210,8 @@ fn a_planted_arrow_up_is_found() {
         ("render/text/mod.rs", ""),
     ]);
     assert_eq!(wide_arrows(&wide), ["plot/a.rs uses model/mod.rs"]);
-    let twins = house(&[("math.rs", "use crate::diag::A;"), ("diag.rs", "")]);
-    assert_eq!(arrows_up(&twins), ["math.rs uses diag.rs"]);
+    let twins = house(&[("math.rs", "use crate::weld::A;"), ("weld.rs", "")]);
+    assert_eq!(arrows_up(&twins), ["math.rs uses weld.rs"]);
 }
 
 #[test]

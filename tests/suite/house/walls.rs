@@ -71,7 +71,7 @@ const WALLS: [Wall; 24] = [
     },
     Wall {
         words: &["strsim::"],
-        rooms: &["diag.rs"],
+        rooms: &["diag/"],
     },
     Wall {
         words: &["serde_json::"],

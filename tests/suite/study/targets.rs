@@ -361,23 +361,40 @@ fn mistakes_of_a_table_are_told_with_their_places() {
         ),
         (
             "P.x,Q.y\n1,2\n",
-            &["t.csv:1:5: `Q.y` is not an input", "P.x"],
+            &["t.csv:1:5: `Q.y` is not an input", "did you mean `P.y`?"],
         ),
         ("P.x,P.x\n1,2\n", &["t.csv:1:5: there are two columns"]),
         (
             "time,phi,P.x\n0,0,1\n",
             &["t.csv:1:6: both inputs and times say"],
         ),
-        ("P.x,P.y\n1,abc\n", &["t.csv:2:3: `abc` is not a number"]),
-        ("P.x,P.y\n1,nan\n", &["t.csv:2:3: `nan` is not a number"]),
-        ("P.x,P.y\n1,inf\n", &["t.csv:2:3: `inf` is not a number"]),
-        ("P.x,P.y\n1,2\n\n3,4,5\n", &["t.csv:4:"]),
+        (
+            "P.x,P.y\n1,abc\n",
+            &["t.csv:2:3: `abc` is not a value for `P.y`"],
+        ),
+        (
+            "P.x,P.y\n1,nan\n",
+            &["t.csv:2:3: `nan` is not a value for `P.y`"],
+        ),
+        (
+            "P.x,P.y\n1,inf\n",
+            &["t.csv:2:3: `inf` is not a value for `P.y`"],
+        ),
+        ("P.x,P.y\n1,2\n\n3,4,5\n", &["t.csv:4:5: 3 cells"]),
         (
             "P.x,P.y\n1\n",
-            &["t.csv:2:", "1 cell where the header has 2"],
+            &["t.csv:2:2: 1 cell where the header has 2"],
         ),
         ("P.x,weight\n1,-1\n", &["t.csv:2:3: a weight below zero"]),
-        ("time,weight\n0,1\n", &["no column has targets"]),
+        (
+            "time,weight\n0,1\n",
+            &["t.csv:1:1: no column has targets", "known: P.x, P.y"],
+        ),
+        // Other names of the time, an empty last column, and quotes before the place.
+        ("t,P.x\n7,1\n", &["t.csv:2:1: time 7 s is outside"]),
+        ("time [s],P.x,\n7,1,\n", &["t.csv:2:1: time 7 s is outside"]),
+        ("\"P.x\", P.y\n\"1\", abc\n", &["t.csv:2:6: `abc`"]),
+        ("P.x,,P.y\n1,2,3\n", &["t.csv:1:5: column 2 has no name"]),
         (
             "P.x,weight\n1,0\n2,0\n",
             &["every row of t.csv has weight 0"],

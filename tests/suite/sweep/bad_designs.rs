@@ -64,12 +64,26 @@ fn tables_that_cannot_be_meant_are_refused() {
         ("crank\nnan\n", "finite"),
         ("crank\ninf\n", "finite"),
         ("crank\n\"\"\n", "empty"),
-        ("crank,ex\n30\n", "1 cells under 2 names"),
-        ("crank,crank\n30,31\n", "two columns"),
-        ("crank,\n30,31\n", "no name"),
+        (
+            "crank,ex\n30\n",
+            "designs.csv:2:3: 1 cell where the header has 2",
+        ),
+        (
+            "crank,crank\n30,31\n",
+            "designs.csv:1:7: there are two columns `crank`",
+        ),
+        (
+            "crank,\n30,31\n",
+            "designs.csv:2:4: 2 cells where the header has 1",
+        ),
+        (",crank\n30,31\n", "designs.csv:1:1: column 1 has no name"),
         ("crank\nlong\n", "a cell must be a number"),
+        (
+            "crank\nlong\n",
+            "designs.csv:2:1: `long` is not a value for `crank`",
+        ),
         ("crank\n", "no rows"),
-        ("", "no rows"),
+        ("", "designs.csv is empty"),
     ] {
         space.write("designs.csv", table);
         let line = "sweep four-bar --design designs.csv --outputs K.x --out rows.csv";
@@ -82,6 +96,9 @@ fn tables_that_cannot_be_meant_are_refused() {
         text.contains("\n0,ok,1,30.5,1,") && text.contains("\n1,ok,1,31,2.5,"),
         "{text}"
     );
+    // Spreadsheets write an empty last column.
+    space.write("designs.csv", "crank;ex;\n30,5;1;\n31;2,5;\n");
+    assert_eq!(run(&space, line).exits(0).text(), text);
 }
 
 #[test]

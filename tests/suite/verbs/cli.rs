@@ -257,10 +257,23 @@ fn tables_of_inputs_with_mistakes_are_refused_with_the_line() {
         ("time,Phi\n0,1\n", ["no column for the input `phi`", "Phi"]),
         (
             "phi\n0.1\n\n0.2\nx\n",
-            ["in.csv:5", "`x` is not a value for `phi`"],
+            ["in.csv:5:1: `x` is not a value for `phi`", "a number"],
         ),
-        ("phi\nnan\n", ["in.csv:2", "`nan` is not a value"]),
-        ("a,phi\n1\n", ["in.csv:2", "1 cell where the header has 2"]),
+        ("phi\nnan\n", ["in.csv:2:1:", "`nan` is not a value"]),
+        (
+            "a,phi\n1\n",
+            [
+                "in.csv:2:2: 1 cell where the header has 2",
+                "decimal commas",
+            ],
+        ),
+        (
+            "phi,\n0.1,2\n",
+            [
+                "in.csv:2:5: 2 cells where the header has 1",
+                "decimal commas",
+            ],
+        ),
         ("phi\n", ["in.csv", "no rows"]),
     ] {
         w.write("in.csv", table);
@@ -963,6 +976,10 @@ fn tables_without_a_time_say_what_they_ignore() {
         ),
         // Spreadsheets write an empty last column.
         ("phi,\n0,\n1,\n", ""),
+        ("phi\n0,\n1,\n", ""),
+        ("phi,\n0\n1\n", ""),
+        ("time [s],phi\n0,0\n9,1\n", ""),
+        ("zeit,phi,t\n0,0,0\n9,1,1\n", ""),
     ];
     for (table, told) in rows {
         w.write("t.csv", table);

@@ -590,7 +590,7 @@ fn tables_of_spreadsheets_are_read() {
     );
     assert_eq!(run.exits(0).text().lines().count(), 3);
     for (table, says) in [
-        ("phi;phi\n1;2\n", "two columns `phi`"),
+        ("phi;phi\n1;2\n", "t.csv:1:5: there are two columns `phi`"),
         ("time,phi\n1,0\n1,0.1\n", "times start at 0 or later"),
         ("time,phi\n-1,0\n", "times start at 0 or later"),
         ("phi,x\n0,25,1\n", "decimal commas need `;`"),

@@ -6,7 +6,7 @@ use super::super::super::formula::node::{FormulaNode, NodeKind};
 use super::super::joints::FoldedJoints;
 use super::super::names::{Meaning, Names};
 use super::parsed::{ParsedBar, ParsedBars, ParsedEnd};
-use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
+use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::chain::ElementaryMotion;
 use crate::model::function::Function;
 use crate::model::mechanism::{Bar, BarEnd, Closes, Equation, Kind, Loop};
@@ -51,93 +51,97 @@ fn resolve_bar(
     joints: &mut FoldedJoints,
     diagnostics: &mut Diagnostics,
 ) -> Option<(Equation, Bar)> {
-    let name = &bar.name.value;
-    let mut refuse = |message: String, span: &Span, hint: &str| {
-        let message = Diagnostic::error(message).at(span.clone());
-        diagnostics.push(message.hint(hint));
-    };
+    let fault = fault_of_ends(bar, names);
+    let are_sound = fault.is_none();
+    fault.into_iter().for_each(|fault| diagnostics.push(fault));
+    let length = constant_length(bar, names).map_err(|d| diagnostics.push(d));
     let [from, to] = &bar.ends;
-    // Fixed: the formula contains only parameters, no coordinate.
-    let is_fixed = |node: &FormulaNode| {
-        let mut fixed = true;
-        node.visit_names(&mut |name, _| {
-            fixed &= matches!(names.meaning(name), Some(Meaning::Parameter(_)));
-        });
-        fixed
-    };
-    // An end is fixed if nothing that carries it moves.
-    let stands = |end: &ParsedEnd| {
-        end.carrier.iter().all(|factor| match factor {
-            Factor::Elementary(_, _, node) => is_fixed(node),
-            Factor::Direction(..) => true,
-        })
-    };
-    // A bar must connect two different points, at least one of which can move.
-    let pairs = from.place.iter().zip(&to.place);
-    let mut is_sound = true;
-    if pairs.into_iter().all(|(a, b)| a.is_alike(b)) {
-        let message = format!("bar `{name}` has the same point at both ends");
-        refuse(message, &to.span, "a bar connects two points");
-        is_sound = false;
-    } else if stands(from) && stands(to) {
-        let message = format!("bar `{name}` is between two fixed points");
-        let hint = "it constrains nothing: leave it out, or let an end be an unknown point or a point of a link";
-        refuse(message, &bar.name.span, hint);
-        is_sound = false;
-    }
-    // A constant length becomes the divisor of the equation, so it must be positive.
-    let mut length = None;
-    let length_node = names.in_radians(bar.length.clone(), Some(Kind::Length));
-    if is_fixed(&length_node) {
-        match constant_node(&length_node, &|n, s| names.constant(n, s)) {
-            Ok(value) if value > 0.0 => length = Some(value),
-            Ok(value) => {
-                let value = shown_number(value);
-                let message = format!("the length of bar `{name}` must be positive, found {value}");
-                let hint = "a bar is as long as its points are apart; points that are one are written as one";
-                refuse(message, &bar.length.span, hint);
-                is_sound = false;
-            }
-            Err(diagnostic) => {
-                diagnostics.push(diagnostic);
-                is_sound = false;
-            }
-        }
-    }
-    // The ends as chains, for drawings and dyads: a carrier, then the coordinates in its frame.
-    let mut end = |end: &ParsedEnd| {
-        let motion = ElementaryMotion::Translation;
-        let coordinates = end.place.iter().cloned().enumerate();
-        let coordinates: Vec<Factor> = coordinates
-            .map(|(axis, node)| Factor::Elementary(motion, axis, node))
-            .collect();
-        Some(BarEnd {
-            point: joints.chain(&coordinates, diagnostics)?,
-            carrier: joints.chain(&end.carrier, diagnostics)?,
-        })
-    };
-    let ends = [end(from)?, end(to)?];
-    if !is_sound {
-        return None;
-    }
+    let ends = [
+        bar_end(from, joints, diagnostics)?,
+        bar_end(to, joints, diagnostics)?,
+    ];
+    let length = length.ok().filter(|_| are_sound)?;
     // The equation itself; without a divisor its value is a squared length.
     let gap = names.in_radians(bar_gap(bar, length), Some(Kind::Number));
-    match compile_formula(&gap, &|n, s| names.coordinate(n, s)) {
-        Ok(expression) => {
-            let equation = Equation {
-                name: name.clone(),
-                expression,
-                length_exponent: if length.is_some() { 1.0 } else { 2.0 },
-                weight: 1.0,
-            };
-            let name = name.clone();
-            Some((equation, Bar { name, ends, length }))
-        }
-        Err(diagnostic) => {
-            diagnostics.push(diagnostic);
-            None
-        }
+    let expression = compile_formula(&gap, &|n, s| names.coordinate(n, s));
+    let name = bar.name.value.clone();
+    let equation = Equation {
+        name: name.clone(),
+        expression: expression.map_err(|d| diagnostics.push(d)).ok()?,
+        length_exponent: if length.is_some() { 1.0 } else { 2.0 },
+        weight: 1.0,
+    };
+    Some((equation, Bar { name, ends, length }))
+}
+
+/// Whether a formula contains only parameters, no coordinate.
+fn is_fixed(node: &FormulaNode, names: &Names) -> bool {
+    let mut fixed = true;
+    node.visit_names(&mut |name, _| {
+        fixed &= matches!(names.meaning(name), Some(Meaning::Parameter(_)));
+    });
+    fixed
+}
+
+/// Whether nothing that carries an end moves.
+fn stands(end: &ParsedEnd, names: &Names) -> bool {
+    end.carrier.iter().all(|factor| match factor {
+        Factor::Elementary(_, _, node) => is_fixed(node, names),
+        Factor::Direction(..) => true,
+    })
+}
+
+/// A bar must connect two different points, at least one of which can move.
+fn fault_of_ends(bar: &ParsedBar, names: &Names) -> Option<Diagnostic> {
+    let name = &bar.name.value;
+    let [from, to] = &bar.ends;
+    let mut pairs = from.place.iter().zip(&to.place);
+    if pairs.all(|(a, b)| a.is_alike(b)) {
+        let message = format!("bar `{name}` has the same point at both ends");
+        let fault = Diagnostic::error(message).at(to.span.clone());
+        return Some(fault.hint("a bar connects two points"));
     }
+    if !(stands(from, names) && stands(to, names)) {
+        return None;
+    }
+    let message = format!("bar `{name}` is between two fixed points");
+    let hint = "it constrains nothing: leave it out, or let an end be an unknown point or a point of a link";
+    let fault = Diagnostic::error(message).at(bar.name.span.clone());
+    Some(fault.hint(hint))
+}
+
+/// The length of a bar, if it is constant. It becomes the divisor of the equation, so it must be positive.
+fn constant_length(bar: &ParsedBar, names: &Names) -> Result<Option<f64>, Diagnostic> {
+    let node = names.in_radians(bar.length.clone(), Some(Kind::Length));
+    if !is_fixed(&node, names) {
+        return Ok(None);
+    }
+    let value = constant_node(&node, &|n, s| names.constant(n, s))?;
+    if value > 0.0 {
+        return Ok(Some(value));
+    }
+    let (name, value) = (&bar.name.value, shown_number(value));
+    let message = format!("the length of bar `{name}` must be positive, found {value}");
+    let hint = "a bar is as long as its points are apart; points that are one are written as one";
+    let fault = Diagnostic::error(message).at(bar.length.span.clone());
+    Err(fault.hint(hint))
+}
+
+/// An end as chains, for drawings and dyads: a carrier, then the coordinates in its frame.
+fn bar_end(
+    end: &ParsedEnd,
+    joints: &mut FoldedJoints,
+    diagnostics: &mut Diagnostics,
+) -> Option<BarEnd> {
+    let motion = ElementaryMotion::Translation;
+    let coordinates = end.place.iter().cloned().enumerate();
+    let coordinates: Vec<Factor> = coordinates
+        .map(|(axis, node)| Factor::Elementary(motion, axis, node))
+        .collect();
+    Some(BarEnd {
+        point: joints.chain(&coordinates, diagnostics)?,
+        carrier: joints.chain(&end.carrier, diagnostics)?,
+    })
 }
 
 /// (d² - L²) / 2 L: to first order, the amount by which the points are too far apart. A variable length is not used as
