@@ -25,6 +25,12 @@ const MOST_STRIPS: usize = 600;
 /// Samples along a strip.
 const SAMPLES: usize = 41;
 
+/// Pairs whose nearest pose is looked for beside the strips.
+const MOST_DESCENTS: usize = 16;
+
+/// Times that both inputs are moved, one after the other, to come nearer.
+const ROUNDS: usize = 4;
+
 /// A range of an input in internal units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InputRange {
@@ -128,7 +134,59 @@ pub fn check_box(
         }
     }
     report.uncover_left_out();
+    if sides[0].input != sides[1].input && low != high {
+        descend(system, actuation, (rules, tolerance), sides, &mut report);
+    }
     report
+}
+
+/// Looks for nearer poses than those in the middle of strips: along the edges of the box, and for every pair along lines through its
+/// nearest pose, in turn in both directions.
+fn descend(
+    system: &System,
+    actuation: &Actuation,
+    (rules, tolerance): (&ClearanceRules, f64),
+    sides: [InputRange; 2],
+    report: &mut BoxReport,
+) {
+    let until = search_deadline();
+    let look_along = |ends: [[f64; 2]; 2], report: &mut BoxReport| {
+        let line = motion_between(system, actuation, sides, ends, 0.0);
+        let Some((along, mut motion)) = line.filter(|_| !until.is_over()) else {
+            return;
+        };
+        let found = check_over(
+            &mut motion,
+            rules,
+            ClearanceEffort::to(tolerance),
+            &|_, _| {},
+        );
+        let is_known = |pair: &&PairReport| report.pairs.iter().any(|p| p.pair == pair.pair);
+        let judged: Vec<&PairReport> = found.judged.iter().filter(is_known).collect();
+        for pair in judged {
+            let known = report.note(pair, &along);
+            known.is_broken |= pair.judgement == Judgement::Failed;
+        }
+    };
+    let [first, second] = [sides[0].range, sides[1].range];
+    for edge in second {
+        look_along(first.map(|value| [value, edge]), report);
+    }
+    for index in 0..report.pairs.len().min(MOST_DESCENTS) {
+        for round in 0..2 * ROUNDS {
+            let before = report.pairs[index].distance;
+            let here = sides.map(|side| report.pairs[index].inputs.get(side.input).copied());
+            let [Some(a), Some(b)] = here else { break };
+            let ends = match round % 2 {
+                0 => second.map(|value| [a, value]),
+                _ => first.map(|value| [value, b]),
+            };
+            look_along(ends, report);
+            if round > 0 && report.pairs[index].distance >= before {
+                break;
+            }
+        }
+    }
 }
 
 /// Looks at one strip; the pairs for which it is to be halved, if that is so.
@@ -246,22 +304,36 @@ impl BoxReport {
     }
 }
 
-/// The motion along the middle of a strip, with the strip's width as play of the second input. The strip's beginning is
-/// reached straight from where the drives begin.
+/// The motion along the middle of a strip, with the strip's width as play of the second input.
 fn motion_along<'m>(
     system: &'m System,
     actuation: &Actuation,
     sides: [InputRange; 2],
     range: [f64; 2],
 ) -> Option<(Actuation, ProvedMotion<'m>)> {
-    // From the start of the drives to the beginning of the strip, then along it.
     let middle = 0.5 * (range[0] + range[1]);
+    let [from, to] = sides[0].range.map(|value| [value, middle]);
+    // The second input may be anywhere in the strip at every instant.
+    let half = 0.5 * (range[1] - range[0]) * GROW;
+    motion_between(system, actuation, sides, [from, to], half)
+}
+
+/// The motion along a straight line of the box, with the play of the second input. Its beginning is reached straight from where the
+/// drives begin.
+fn motion_between<'m>(
+    system: &'m System,
+    actuation: &Actuation,
+    sides: [InputRange; 2],
+    ends: [[f64; 2]; 2],
+    half: f64,
+) -> Option<(Actuation, ProvedMotion<'m>)> {
     let start = actuation.inputs_at(0.0);
-    let mut from = start.clone();
-    from[sides[1].input] = middle;
-    from[sides[0].input] = sides[0].range[0];
-    let mut to = from.clone();
-    to[sides[0].input] = sides[0].range[1];
+    let [from, to] = ends.map(|[first, second]| {
+        let mut inputs = start.clone();
+        inputs[sides[1].input] = second;
+        inputs[sides[0].input] = first;
+        inputs
+    });
     let first = solve_motion(system, actuation, &[0.0])
         .samples
         .into_iter()
@@ -275,15 +347,13 @@ fn motion_along<'m>(
         .nth(1)?
         .pose?;
     let along = Actuation::straight(&from, &to, reached.unknowns);
-    // The strip itself, solved in the middle of the second input.
     let times: Vec<f64> = (0..SAMPLES)
         .map(|k| k as f64 / (SAMPLES - 1) as f64)
         .collect();
     let trajectory = solve_motion(system, &along, &times);
-    // The second input may be anywhere in the strip at every instant.
     let mut play = vec![0.0; start.len()];
     if sides[0].input != sides[1].input {
-        play[sides[1].input] = 0.5 * (range[1] - range[0]) * GROW;
+        play[sides[1].input] = half;
     }
     let motion = ProvedMotion::with_play(system, &along, &trajectory, play);
     Some((along, motion.assembled_at(assembled)))

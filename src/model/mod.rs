@@ -12,6 +12,7 @@ pub mod distance;
 pub mod drive;
 pub mod equation_terms;
 pub mod expression;
+mod file_units;
 pub mod fixed;
 pub mod function;
 pub mod joints;

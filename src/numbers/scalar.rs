@@ -132,7 +132,7 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
         self - divisor * self.over(divisor).floor()
     }
 
-    /// `negative` if this is below zero, otherwise `other`; undefined if the sign is undecided.
+    /// `negative` if this is below zero, otherwise `other`; undefined if the sign is undecided, or what contains both.
     fn choose(self, negative: Self, other: Self) -> Self {
         match self.is_below_zero() {
             Some(true) => negative,

@@ -73,7 +73,7 @@ pub fn dot_product(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 /// The least divisor: what is divided by it is zero itself and stays so.
-pub const LEAST_DIVISOR: f32 = 1e-30;
+pub(super) const LEAST_DIVISOR: f32 = 1e-30;
 
 /// The larger of two numbers, `b` when `a` is not a number; one instruction, unlike `f32::max`.
 #[inline(always)]

@@ -62,8 +62,9 @@ pub fn mode_remarks(system: &System, modes: &Modes) -> Vec<String> {
     }
     if modes.list.len() > modes.placements() {
         lines.push(format!(
-            "{} modes: only links without a body are placed differently in them.",
-            modes.list.len()
+            "{} modes in {}: in those of one placement, only links without a body differ.",
+            modes.list.len(),
+            counted_things(modes.placements(), "placement")
         ));
     }
     lines.extend(second_angles(system, modes));
@@ -106,16 +107,20 @@ pub const fn kind_words(kind: StartKind) -> &'static str {
 
 /// An estimate of what is missing.
 fn search_worth(modes: &Modes) -> String {
-    let chance = match modes.unseen {
-        0.0 => "0".to_owned(),
-        chance => format!("{chance:.1e}"),
+    let left = match modes.unseen {
+        0.0 => format!(
+            "no placement was reached by one random start only: another has an estimated chance below {UNSEEN:.0e} (Good-Turing)"
+        ),
+        chance => format!(
+            "one more random start leads to a new placement with an estimated chance of {chance:.1e} (Good-Turing)"
+        ),
     };
-    let left = format!(
-        "one more random start leads to a new placement with an estimated chance of {chance} (Good-Turing)"
-    );
     let mut text = match modes.is_exhausted {
         false if modes.is_hopeless => format!("There are far more placements: {left}."),
-        true => format!("The search ended since {left}, below {UNSEEN:.0e}."),
+        true if modes.unseen > 0.0 => {
+            format!("The search ended since {left}, below {UNSEEN:.0e}.")
+        }
+        true => format!("The search ended since {left}."),
         false => {
             format!("The search ended with its starts; more --starts may find more, since {left}.")
         }

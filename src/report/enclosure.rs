@@ -308,7 +308,7 @@ fn of_band(band: &ValueBand, time: f64, size: f64) -> BandSummary {
             below: f64::INFINITY,
             above: f64::INFINITY,
             found: [0.0; 2],
-            ratio: f64::NEG_INFINITY,
+            ratio: f64::INFINITY,
             time,
         };
     }

@@ -14,7 +14,7 @@ pub fn between_lines(plan: &TolerancePlan, stretches: &[SpanBands]) -> String {
         .filter_map(|s| s.bands.as_ref().ok())
         .collect();
     let mut text = format!(
-        "\nAt all times: {} of {} stretches proved\n",
+        "\nAt all times: poses of {} of {} stretches proved\n",
         proved.len(),
         stretches.len()
     );

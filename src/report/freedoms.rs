@@ -2,7 +2,7 @@
 
 use super::sentences::counted_things;
 use crate::kinematics::freedoms::count::{JointCount, LoopSpace};
-use crate::kinematics::freedoms::mobility::Mobility;
+use crate::kinematics::freedoms::mobility::{Mobility, RowName};
 use crate::kinematics::structure::block::HeldFreedom;
 use crate::kinematics::structure::loop_part::component_name;
 use crate::model::mechanism::Mechanism;
@@ -118,12 +118,17 @@ fn mobility_sentence(mobility: &Mobility) -> String {
 
 fn redundant_sentence(mechanism: &Mechanism, mobility: &Mobility) -> String {
     let all = &mobility.redundant;
-    let named = all.iter().take(MAX_EQUATIONS).map(|(index, component)| {
-        format!(
+    let named = all.iter().take(MAX_EQUATIONS).map(|row| match *row {
+        RowName::Loop(index, component) => format!(
             "{} of loop {}",
-            component_name(*component),
-            mechanism.loops[*index].name
-        )
+            component_name(component),
+            mechanism.loops[index].name
+        ),
+        RowName::Equation(index) => {
+            let name = &mechanism.equations[index].name;
+            let is_bar = mechanism.bars.iter().any(|bar| bar.name == *name);
+            format!("{} {name}", if is_bar { "bar" } else { "equation" })
+        }
     });
     let list = named.collect::<Vec<_>>().join(", ");
     let more = all.len().saturating_sub(MAX_EQUATIONS);
@@ -167,8 +172,13 @@ pub fn freedoms_document(mechanism: &Mechanism, mobility: &Mobility) -> Value {
     let redundant: Vec<Value> = mobility
         .redundant
         .iter()
-        .map(|(index, component)| {
-            json!({ "loop": mechanism.loops[*index].name, "equation": component_name(*component) })
+        .map(|row| match *row {
+            RowName::Loop(index, component) => {
+                json!({ "loop": mechanism.loops[index].name, "equation": component_name(component) })
+            }
+            RowName::Equation(index) => {
+                json!({ "loop": null, "equation": mechanism.equations[index].name })
+            }
         })
         .collect();
     let idle: Vec<Value> = mobility

@@ -15,9 +15,9 @@ const MOST_PARTS: usize = 3;
 fn part_in_words(mechanism: &Mechanism, sides: [InputRange; 2], part: &[[f64; 2]; 2]) -> String {
     let one = |side: &InputRange, [low, high]: [f64; 2]| {
         let input = &mechanism.inputs[side.input];
-        let unit = mechanism.file_units(input.kind);
+        let [low, high] = [low, high].map(|value| mechanism.file_value(input.kind, value));
         let name = mechanism.unit_name(input.kind);
-        let range = format!("{} {} to {}", input.name, low * unit, high * unit);
+        let range = format!("{} {low} to {high}", input.name);
         beside_unit(range, name)
     };
     let mut words = vec![one(&sides[0], part[0])];
@@ -86,11 +86,8 @@ fn junit_case(mechanism: &Mechanism, sides: [InputRange; 2], pair: &BoxPair) -> 
     let inputs = mechanism.inputs.iter().zip(&pair.inputs);
     let at: Vec<String> = inputs
         .map(|(input, value)| {
-            format!(
-                "{} = {}",
-                input.name,
-                value * mechanism.file_units(input.kind)
-            )
+            let value = mechanism.file_value(input.kind, *value);
+            format!("{} = {value}", input.name)
         })
         .collect();
     let found = format!(
@@ -122,21 +119,15 @@ fn junit_case(mechanism: &Mechanism, sides: [InputRange; 2], pair: &BoxPair) -> 
 /// The report as the `inputs_box` object of the JSON document; values in the file's units.
 pub fn to_json(mechanism: &Mechanism, sides: [InputRange; 2], report: &BoxReport) -> Value {
     let shown = |side: usize, value: f64| {
-        value * mechanism.file_units(mechanism.inputs[sides[side].input].kind)
+        mechanism.file_value(mechanism.inputs[sides[side].input].kind, value)
     };
     let part =
         |part: &[[f64; 2]; 2]| json!([part[0].map(|v| shown(0, v)), part[1].map(|v| shown(1, v))]);
     let parts = |list: &[[[f64; 2]; 2]]| list.iter().map(part).collect::<Vec<_>>();
     let pair = |pair: &BoxPair| {
-        let units = mechanism
-            .inputs
-            .iter()
-            .map(|input| mechanism.file_units(input.kind));
-        let inputs: Vec<f64> = pair
-            .inputs
-            .iter()
-            .zip(units)
-            .map(|(v, unit)| v * unit)
+        let inputs = mechanism.inputs.iter().zip(&pair.inputs);
+        let inputs: Vec<f64> = inputs
+            .map(|(input, value)| mechanism.file_value(input.kind, *value))
             .collect();
         json!({
             "bodies": pair.pair.map(|k| mechanism.bodies[k].name.as_str()),

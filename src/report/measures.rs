@@ -20,7 +20,7 @@ pub struct TakenMeasure<'m> {
     measure: &'m Measure,
     value: Option<f64>,
     factor: f64,
-    unit: &'m str,
+    unit: String,
     /// How many poses it was taken at.
     poses: usize,
     /// Bounds between the samples, if known.
@@ -82,7 +82,7 @@ fn take_measures<'s>(
         measure,
         value,
         factor: mechanism.file_units(measure.kind),
-        unit: mechanism.unit_name(measure.kind),
+        unit: mechanism.table_unit(measure.kind, measure.dimension),
         poses: match &measure.source {
             MeasureSource::Over { track: Some(k), .. } => scene.measures.tracks[*k].samples,
             _ => along.samples.len(),
@@ -320,7 +320,7 @@ impl TakenMeasure<'_> {
         let mut value = json!({
             "name": self.measure.name,
             "value": scaled(self.value),
-            "unit": self.unit,
+            "unit": &self.unit,
             "min": scaled(self.measure.min).map(as_typed),
             "max": scaled(self.measure.max).map(as_typed),
             "holds": !matches!(self.status(asked), Status::Failed | Status::NotProved),

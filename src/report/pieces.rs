@@ -3,6 +3,7 @@
 
 use super::enclosure::reason_words;
 use super::lengths::{LengthForm, at_least_length};
+use super::sentences::counted_things;
 use super::verdict::{CLEARANCE, Case, Status};
 use crate::clearance::part::{Missing, PieceClearance, PieceRefusal, PieceReport};
 use crate::diag::decimals_of;
@@ -18,6 +19,9 @@ fn piece_status(pair: &PieceClearance) -> Status {
         (false, false) => Status::NotProved,
     }
 }
+
+/// Dimensions that are named in the heading of a table.
+const MOST_NAMED: usize = 6;
 
 /// The word of a pair in reports.
 fn piece_word(pair: &PieceClearance) -> &'static str {
@@ -82,15 +86,23 @@ fn refusal_words(refusal: &PieceRefusal) -> String {
 
 /// The table of all pairs, those with the smallest margin first.
 pub fn piece_table(mechanism: &Mechanism, report: &PieceReport, worst: usize) -> String {
+    let count = report.dimensions.len();
+    let names: Vec<&str> = report
+        .dimensions
+        .iter()
+        .map(|(name, _)| name.as_str())
+        .collect();
+    let named = match count <= MOST_NAMED {
+        true => format!(" ({})", names.join(", ")),
+        false => String::new(),
+    };
     let mut text = format!(
-        "  every piece      {} within {}\n",
-        match report.dimensions.len() {
-            1 => "1 dimension".to_owned(),
-            count => format!("{count} dimensions"),
-        },
-        match report.dimensions.len() {
-            1 => "its tolerance",
-            _ => "their tolerances",
+        "  every piece      {}{named} within {}\n",
+        counted_things(count, "dimension"),
+        if count == 1 {
+            "its tolerance"
+        } else {
+            "their tolerances"
         }
     );
     if !report.list.is_empty() {

@@ -168,15 +168,8 @@ fn column_units(mechanism: &Mechanism, shows: TableColumns) -> Map<String, Value
         }
         list.push((name, unit(kind)));
     }
-    // Products and powers; those with angles are in radians whatever the file's unit is, and have none here.
     let products = mechanism.outputs.iter().filter(|o| o.kind == Kind::Number);
-    let products = products.filter(|o| !o.dimension.holds_angle());
-    list.extend(products.map(|o| {
-        let (words, _) = o
-            .dimension
-            .unit_words(mechanism.unit_name(Kind::Length), "", 1.0);
-        (o.name.clone(), words)
-    }));
+    list.extend(products.map(|o| (o.name.clone(), mechanism.table_unit(o.kind, o.dimension))));
     if shows.rates {
         let unknowns = mechanism.unknowns.iter();
         let rate = |kind| match mechanism.unit_name(kind) {

@@ -337,7 +337,7 @@ fn value_names(
         RequestedValues::Measures { .. } => {
             let measures = family.measures.list.iter();
             measures
-                .map(|m| (m.name.clone(), mechanism.unit_name(m.kind).to_owned()))
+                .map(|m| (m.name.clone(), mechanism.table_unit(m.kind, m.dimension)))
                 .collect()
         }
         RequestedValues::Outputs { names, at, .. } => {

@@ -23,7 +23,7 @@ impl PieceTolerances<'_> {
     /// The family of all pieces, and the tolerances by name in internal units. `drawn` is the scene as written.
     ///
     /// # Errors
-    /// Nothing has a tolerance; a dimension has none; there are too many; a dimension appears where tolerances cannot
+    /// Nothing has a tolerance; a dimension has none; the general one has no effect; there are too many; a dimension appears where tolerances cannot
     /// be followed; errors in the scene.
     pub fn family(
         &self,
@@ -82,6 +82,15 @@ impl PieceTolerances<'_> {
         drawn: &Scene,
         names: Vec<String>,
     ) -> Result<Vec<(String, f64)>, FamilyError> {
+        let own = names.iter().map(|name| {
+            let own = Self {
+                tolerance: None,
+                ..*self
+            }
+            .tolerance_of(drawn, name);
+            (name.as_str(), own.is_some())
+        });
+        FamilyError::refuse_unused(self.tolerance, own)?;
         let (mut missing, mut list) = (Vec::new(), Vec::new());
         for name in names {
             match self.tolerance_of(drawn, &name) {

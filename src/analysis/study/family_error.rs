@@ -19,6 +19,11 @@ pub enum FamilyError {
     /// Dimensions without a tolerance.
     #[error("there is no tolerance for {0}")]
     NoTolerance(String),
+    /// A tolerance for those that have none, where all have one.
+    #[error(
+        "the given tolerance applies to no dimension: only {0} may vary, with tolerances of their own"
+    )]
+    UnusedTolerance(String),
     /// A dimension in a place that keeps the file's value.
     #[error("`{}` appears {}, where it would keep the file's value", .0.name, .0.place)]
     Kept(KeptParameter),
@@ -53,6 +58,9 @@ impl FamilyError {
                 "give one for all, or each its own: `[study.variables]` NAME = { tolerance = 0.1 }"
                     .to_owned(),
             ),
+            Self::UnusedTolerance(_) => Some(
+                "leave it out, or vary others too: `--vary all` takes every dimension".to_owned(),
+            ),
             Self::Kept(kept) if kept.place == KeptIn::Drive => {
                 Some("put what is added to an input into the chain: Rz(phi + phi0)".to_owned())
             }
@@ -61,6 +69,22 @@ impl FamilyError {
             }
             Self::Scene(_) | Self::Structure(_) | Self::Lacks(_) | Self::Track { .. } => None,
         }
+    }
+
+    /// Refuses a tolerance for those that have none, where all `varied` dimensions have one of their own.
+    ///
+    /// # Errors
+    /// It is given, and has no effect.
+    pub fn refuse_unused<'n>(
+        general: Option<f64>,
+        varied: impl Iterator<Item = (&'n str, bool)>,
+    ) -> Result<(), Self> {
+        let varied: Vec<(&str, bool)> = varied.collect();
+        if general.is_none() || varied.is_empty() || !varied.iter().all(|(_, has_own)| *has_own) {
+            return Ok(());
+        }
+        let names: Vec<&str> = varied.into_iter().map(|(name, _)| name).collect();
+        Err(Self::UnusedTolerance(names.join(", ")))
     }
 
     /// The refusal of a study without variables: what to do depends on whether the scene has `dimensions`.

@@ -216,9 +216,13 @@ impl LoadedStudy {
     /// Tolerance of every variable, in internal units: the study's, else `general`, in the file's units.
     ///
     /// # Errors
-    /// A variable that has neither.
+    /// A variable that has neither; a general tolerance without effect.
     pub fn tolerances(&self, general: Option<f64>) -> Result<Vec<f64>, FamilyError> {
         let variables = &self.family.study.variables;
+        let own = variables
+            .iter()
+            .map(|v| (v.name.as_str(), v.tolerance.is_some()));
+        FamilyError::refuse_unused(general, own)?;
         let given = variables.iter().map(|v| {
             v.tolerance
                 .or(general.map(|t| t / self.family.units(v.kind)))

@@ -28,7 +28,7 @@ pub struct RefinedExtremes {
 }
 
 /// An extreme along the drive: a formula, and whether the greatest or the least value.
-struct Sought<'a> {
+struct SoughtExtreme<'a> {
     formula: &'a Expression,
     sign: f64,
 }
@@ -97,7 +97,7 @@ impl ParametricMechanism {
         let times = &self.drive_times()[range.start - start..range.end - start];
         let mut found = Vec::new();
         for sign in signs {
-            let sought = Sought {
+            let sought = SoughtExtreme {
                 formula,
                 sign: *sign,
             };
@@ -109,7 +109,7 @@ impl ParametricMechanism {
     /// Times of all local extremes that may be the sought one; `None` if there is none that is found, or one that is not.
     fn extreme_times(
         &self,
-        sought: &Sought,
+        sought: &SoughtExtreme,
         (times, poses): (&[f64], &[Vec<f64>]),
         solver: &mut PoseSolver,
     ) -> Option<Vec<f64>> {
@@ -122,26 +122,31 @@ impl ParametricMechanism {
         let duration = self.actuation.duration;
         let last = values.len().checked_sub(1)?;
         let mut found = Vec::new();
+        // A motion that goes on from its end to its start has no pose at its end.
+        let goes_on = times[last] < duration;
         for (k, here) in values.iter().enumerate() {
-            let [before, after] = [k.saturating_sub(1), (k + 1).min(last)];
+            let [before, after] = match goes_on {
+                true => [(k + last) % (last + 1), (k + 1) % (last + 1)],
+                false => [k.saturating_sub(1), (k + 1).min(last)],
+            };
             let drop = (here - values[before]).max(here - values[after]);
             let is_peak = *here >= values[before] && *here >= values[after];
-            if !is_peak || here + ALLOWANCE * drop.max(0.0) < best {
+            if !is_peak || here + ALLOWANCE * drop < best {
                 continue;
             }
+            let from = if k == 0 { 0.0 } else { times[before] };
             let until = if k == last { duration } else { times[after] };
-            let bracket = [times[before], until];
+            let bracket = [from, until];
             let is_end = k == 0 || times[k] == duration;
             match self.peak_near(sought, (times[k], &poses[k]), bracket, solver) {
                 Some(time) => found.push(time),
-                // An end of the drive is a pose of the study.
-                None if is_end && self.is_greatest_at_end(sought, times[k], &poses[k]) => {}
-                // The motion goes on from its end to its start.
-                None if k == 0 && times[last] < duration => {
+                None if k == 0 && goes_on => {
                     let bracket = [times[last], duration];
                     let place = (times[last], &poses[last][..]);
                     found.push(self.peak_near(sought, place, bracket, solver)?);
                 }
+                // An end of the drive is a pose of the study.
+                None if is_end && self.is_greatest_at_end(sought, times[k], &poses[k]) => {}
                 None => return None,
             }
         }
@@ -149,7 +154,7 @@ impl ParametricMechanism {
     }
 
     /// Whether the formula falls from an end of the drive.
-    fn is_greatest_at_end(&self, sought: &Sought, time: f64, pose: &[f64]) -> bool {
+    fn is_greatest_at_end(&self, sought: &SoughtExtreme, time: f64, pose: &[f64]) -> bool {
         let drive = (&self.actuation, time);
         let slots = slot_series(self.system(), pose, RateVariable::Time, drive, 1);
         let slope = slots.map(|slots| sought.sign * sought.formula.value(&slots).coefficients()[1]);
@@ -165,7 +170,7 @@ impl ParametricMechanism {
     /// The time near that of a pose at which the formula stops growing.
     fn peak_near(
         &self,
-        sought: &Sought,
+        sought: &SoughtExtreme,
         (mut time, pose): (f64, &[f64]),
         [from, until]: [f64; 2],
         solver: &mut PoseSolver,

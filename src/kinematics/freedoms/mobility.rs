@@ -42,9 +42,8 @@ pub struct Mobility {
     pub at_start: Option<Numeric>,
     /// At the most regular of a few closed poses.
     pub generic: Option<Numeric>,
-    /// Equations that the others imply at the first closed pose, as (loop, component): 0 to 2 rotation, 3 to 5
-    /// translation. They are checked, but neither solved nor proved.
-    pub redundant: Vec<(usize, usize)>,
+    /// Equations that the others imply at the first closed pose. They are checked, but neither solved nor proved.
+    pub redundant: Vec<RowName>,
     /// Names of loops and equations that the inputs alone must satisfy: closed only if the inputs are consistent.
     pub conditions: Vec<String>,
     /// Freedoms that move nothing but the spin of a link.
@@ -99,10 +98,7 @@ impl Mobility {
             // A row in the span of the solved ones is redundant; any other one restricts the inputs.
             let is_implied = !space.add(&whole.named_row(name, pose));
             match name {
-                RowName::Loop(index, component) if is_implied => {
-                    self.redundant.push((index, component));
-                }
-                RowName::Equation(_) if is_implied => {}
+                _ if is_implied => self.redundant.push(name),
                 RowName::Loop(index, _) => self.condition(&mechanism.loops[index].name),
                 RowName::Equation(index) => self.condition(&mechanism.equations[index].name),
             }
@@ -128,9 +124,10 @@ fn start_pose(system: &System, actuation: &Actuation) -> Option<Vec<f64>> {
 
 /// One row of a Jacobian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum RowName {
-    /// Loop and component.
+pub enum RowName {
+    /// Loop and component: 0 to 2 rotation, 3 to 5 translation.
     Loop(usize, usize),
+    /// Equation or bar.
     Equation(usize),
 }
 

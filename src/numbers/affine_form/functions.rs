@@ -146,6 +146,41 @@ impl Scalar for AffineForm<'_> {
         by_up + x.through(Interval::ZERO, -up / square)
     }
 
+    /// Where the sign is undecided, a form of both.
+    fn choose(self, negative: Self, other: Self) -> Self {
+        match self.is_below_zero() {
+            Some(true) => negative,
+            Some(false) => other,
+            None if self.is_finite() && negative.is_finite() && other.is_finite() => {
+                Self::of_interval(negative.range().hull(other.range()))
+            }
+            None => Self::undefined(),
+        }
+    }
+
+    /// About zero by the mean value theorem, which holds at a kink with the slopes of both sides.
+    fn abs(self) -> Self {
+        match self.is_below_zero() {
+            Some(true) => -self,
+            Some(false) => self,
+            None => self.function(Scalar::abs, |_| Interval::around_zero(1.0)),
+        }
+    }
+
+    fn min(self, other: Self) -> Self {
+        -(-self).max(-other)
+    }
+
+    /// The other one, and what this one exceeds it by.
+    fn max(self, other: Self) -> Self {
+        let above = self - other;
+        match above.is_below_zero() {
+            Some(true) => other,
+            Some(false) => self,
+            None => other + (above + above.abs()).scale(0.5),
+        }
+    }
+
     fn floor(self) -> Self {
         match self.range().floor().as_number() {
             Some(whole) => Self::number(whole),

@@ -298,6 +298,13 @@ mod tests {
             holds(a.atan(), libm::atan(p));
             holds(a.atan2(b), libm::atan2(p, q));
             holds(a.hypot(b), libm::hypot(p, q));
+            // On both sides of kinks and beside them.
+            let place = 0.3 * random(&mut state);
+            let (e, f) = (a - Form::number(x + place), p - (x + place));
+            holds(e.abs(), f.abs());
+            holds(a.max(b), p.max(q));
+            holds(a.min(b), p.min(q));
+            holds(e.choose(a, b), if f < 0.0 { p } else { q });
             let terms = [(1.5, &a), (0.0, &b), (-0.3, &b), (2.0, &Form::ZERO)];
             let sum = Form::combination(-1.0, terms.into_iter());
             holds(sum, -1.0 + 1.5 * p - 0.3 * q);

@@ -105,6 +105,34 @@ impl Scalar for QuadraticForm<'_> {
     fn floor(self) -> Self {
         self.by_line(Scalar::floor)
     }
+
+    fn choose(self, negative: Self, other: Self) -> Self {
+        match self.is_below_zero() {
+            Some(true) => negative,
+            Some(false) => other,
+            None => self.by_line(|sign| sign.choose(negative.affine(), other.affine())),
+        }
+    }
+
+    fn abs(self) -> Self {
+        match self.is_below_zero() {
+            Some(true) => -self,
+            Some(false) => self,
+            None => self.by_line(Scalar::abs),
+        }
+    }
+
+    fn min(self, other: Self) -> Self {
+        -(-self).max(-other)
+    }
+
+    fn max(self, other: Self) -> Self {
+        match (self - other).is_below_zero() {
+            Some(true) => other,
+            Some(false) => self,
+            None => self.by_line(|this| this.max(other.affine())),
+        }
+    }
 }
 
 impl Neg for QuadraticForm<'_> {

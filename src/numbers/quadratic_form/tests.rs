@@ -52,6 +52,11 @@ fn forms_hold_what_they_enclose() {
         holds(c.cos(), libm::cos(r));
         holds(c.sqrt(), r.sqrt());
         holds(a.atan2(b), libm::atan2(p, q));
+        let (e, f) = (c - Form::number(0.6), r - 0.6);
+        holds(e.abs(), f.abs());
+        holds(c.max(a), r.max(p));
+        holds(c.min(a), r.min(p));
+        holds(e.choose(a, b), if f < 0.0 { p } else { q });
         let mut sum = a;
         sum.add_scaled(-0.3, &c);
         holds(sum, p - 0.3 * r);

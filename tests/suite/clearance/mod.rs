@@ -25,6 +25,7 @@ mod few_samples;
 mod frame_jumps;
 mod gate;
 mod grazing;
+mod input_boxes;
 mod joint_gaps;
 mod joint_jumps;
 mod joint_meshes;

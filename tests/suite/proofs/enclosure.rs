@@ -371,6 +371,31 @@ body = "follower"
 point = ["R", 0, 0]
 "#;
 
+/// Kinks inside the tolerances: of outputs, and of an equation.
+const KINKED: &str = r#"
+title = "kinks"
+duration = 1
+[parameters]
+K = 1
+c = 0.5
+[inputs]
+u = "t"
+[equations]
+stop = "s - max(K*u, c) - 0.1*abs(s - 0.7)"
+[guess]
+s = 0.5
+[outputs]
+x = "abs(K*u - c)"
+y = "abs(sin(3*u*K)) * max(u - K*c, 0) + min(s, 0.8*K)"
+z = "max(abs(s - K*u), c - 0.45) - hypot(s, c)"
+[[bodies]]
+name = "slide"
+frame = "Tx(max(s, K*u + 0.05))"
+[[traces]]
+name = "P"
+body = "slide"
+"#;
+
 fn cases() -> Vec<(&'static str, Case, f64)> {
     vec![
         ("slider-crank", Case::all("slider-crank", 0.5, 0.0), 1.0),
@@ -393,6 +418,11 @@ fn cases() -> Vec<(&'static str, Case, f64)> {
         (
             "open",
             Case::text(OPEN, &[("a", 1.0), ("tilt", 2.0), ("u", 1.0)]),
+            1.0,
+        ),
+        (
+            "kinks",
+            Case::text(KINKED, &[("K", 0.05), ("c", 0.04)]),
             1.0,
         ),
         (

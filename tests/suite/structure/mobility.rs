@@ -896,6 +896,23 @@ fn the_report_names_what_is_held_and_what_is_redundant() {
     );
     assert_eq!(mobility["redundant"].as_array().unwrap().len(), 3);
     assert_eq!(mobility["redundant"][0]["loop"], "A");
+    // Equations and bars are named as well.
+    for (scene, said) in [
+        (
+            "[inputs]\nphi = \"t\"\n[equations]\ne1 = \"x - phi\"\ne2 = \"2*x - 2*phi\"\n",
+            "equation e2: implied",
+        ),
+        (
+            "[inputs]\nphi = \"t\"\n[loops]\nA = \"Rz(phi) Rz(c) Tz(3) Tz(-x)\"\n[equations]\nfix = \"phi + c\"\n",
+            "equation fix: implied",
+        ),
+    ] {
+        workspace.write("twice.toml", format!("duration = 1\n{scene}"));
+        workspace
+            .run(&["check", "twice.toml"])
+            .exits(0)
+            .says(&[said]);
+    }
 }
 
 /// Three loops, each in a frame that moves: HOUSE carries them all.

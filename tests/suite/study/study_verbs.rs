@@ -613,3 +613,85 @@ fn the_derivatives_of_equal_numbers_add_up() {
         run.text()
     );
 }
+
+/// Values and derivatives of extremes are those of the whole motion, not of the nearest pose; what is of poses alone is told.
+#[test]
+fn extremes_of_a_sensitivity_are_those_of_the_whole_motion() {
+    let w = Workspace::new();
+    let (r, rod, e) = (40.0_f64, 100.0_f64, 15.0_f64);
+    w.write(
+        "stroke.toml",
+        format!(
+            "units = {{ length = \"mm\", angle = \"deg\" }}\nduration = 1\n[parameters]\nr = {r}\nL = {rod}\ne = {e}\n\
+             [inputs]\nphi = \"360*t + 1\"\n[loops]\nA = \"Rz(phi) Tx(r) Rz(alpha) Tx(L) Rz(beta) T(-h, -e, 0)\"\n[guess]\nh = 130\n\
+             [measures]\nmost = {{ of = \"h\", take = \"max\" }}\nleast = {{ of = \"h\", take = \"min\" }}\n\
+             stroke = {{ of = \"h\", take = \"range\" }}\ndiff = \"most - least\"\n\
+             fast = {{ of = \"d(h, t)\", take = \"max\" }}\nmiddle = {{ of = \"h\", take = \"mean\" }}\n"
+        ),
+    );
+    let run = w
+        .run(&[
+            "sensitivity",
+            "stroke.toml",
+            "--vary",
+            "r,L,e",
+            "--out",
+            "s.json",
+        ])
+        .exits(0);
+    let report: Value = serde_json::from_slice(&w.read("s.json")).unwrap();
+    assert_eq!(report["of_poses"], serde_json::json!(["fast", "middle"]));
+    assert!(run.text().contains("nothing between them: fast, middle."));
+    // The stretched and the folded position by Pythagoras.
+    let [far, near] = [rod + r, rod - r].map(|reach| (reach * reach - e * e).sqrt());
+    let ends = [
+        ("r", (rod + r) / far, -(rod - r) / near),
+        ("L", (rod + r) / far, (rod - r) / near),
+        ("e", -e / far, -e / near),
+    ];
+    let is_near = |found: &Value, known: f64| {
+        let found = found.as_f64().unwrap();
+        assert!(
+            (found - known).abs() < 1e-9,
+            "{found} {known}\n{}",
+            run.text()
+        );
+    };
+    is_near(&report["measures"]["most"], far);
+    is_near(&report["measures"]["stroke"], far - near);
+    for row in report["dimensions"].as_array().unwrap() {
+        let (_, most, least) = ends.iter().find(|end| row["dimension"] == end.0).unwrap();
+        let slopes = &row["derivatives"];
+        is_near(&slopes["most"], *most);
+        is_near(&slopes["least"], *least);
+        is_near(&slopes["stroke"], most - least);
+        is_near(&slopes["diff"], most - least);
+    }
+}
+
+/// A tolerance that no dimension takes is refused, in every verb that has one.
+#[test]
+fn a_tolerance_without_effect_is_refused() {
+    let w = Workspace::new();
+    w.write(
+        "gap.toml",
+        "duration = 1\n[parameters]\nd = 10\ne = 1\n[inputs]\ns = \"t\"\n[[bodies]]\nname = \"slide\"\nframe = \"Tx(s) Ty(e)\"\n\
+         shapes = [{ sphere = { radius = 1 } }]\n[[bodies]]\nname = \"stop\"\nframe = \"Tx(d)\"\nshapes = [{ sphere = { radius = 1 } }]\n\
+         [measures]\nx = { of = \"s + e\", take = \"last\" }\n[study.variables]\ne = { tolerance = 0.01 }\n[clearance]\nminimum = 1\n",
+    );
+    for verb in [
+        &["check", "gap.toml", "--made-within", "9"][..],
+        &["enclose", "gap.toml", "--tolerance", "9"],
+        &["tolerance", "gap.toml", "--tolerance", "9"],
+    ] {
+        let run = w.run(verb).exits(2);
+        assert!(
+            run.text().contains("applies to no dimension: only e"),
+            "{}",
+            run.text()
+        );
+    }
+    // With a further dimension it has an effect: a stop 9 mm away collides.
+    let run = w.run(&["check", "gap.toml", "--made-within", "9", "--vary", "d,e"]);
+    run.exits(1).says(&["2 dimensions (d, e)", "failed"]);
+}
