@@ -1,7 +1,7 @@
 //! The part of a moving core that can come closest to a fixed one, and how near it comes to the axis of a circle.
 
 use super::meeting::Meeting;
-use super::relative::{OF_ROUNDING, RelativeMove, WIDER};
+use super::relative::{LOST, RelativeMove, WIDER};
 use crate::distance::point::to_circle;
 use crate::distance::primitive::{Circle, Element, Primitive};
 use crate::math::sin_cos;
@@ -60,7 +60,7 @@ fn shares_within([from, to]: &[DVec3; 2], centre: DVec3, reach: f64) -> Option<[
     let size = span.length_squared();
     let middle = (centre - *from).dot(span) / size;
     let aside = centre.distance_squared(*from + span * middle);
-    let half = ((reach * reach - aside) / size).sqrt() * WIDER + OF_ROUNDING;
+    let half = ((reach * reach - aside) / size).sqrt() * WIDER + LOST;
     let shares = [middle - half, middle + half].map(|share| share.clamp(0.0, 1.0));
     (shares[0] < shares[1]).then_some(shares)
 }

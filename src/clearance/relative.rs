@@ -13,7 +13,7 @@ use glam::{DMat3, DVec3};
 pub(super) const WIDER: f64 = 1.0 + 1e-9;
 
 /// ... and by this where numbers of order one are subtracted from each other.
-pub(super) const OF_ROUNDING: f64 = 1e-12;
+pub(super) const LOST: f64 = 1e-12;
 
 /// The chain from one body to another, without their common part.
 #[derive(Clone, Debug)]
@@ -284,7 +284,7 @@ impl RelativeChain {
                 turned += arguments[joint.argument].size_of_change() * across;
             }
         });
-        turned * WIDER + if turned > 0.0 { OF_ROUNDING } else { 0.0 }
+        turned * WIDER + if turned > 0.0 { LOST } else { 0.0 }
     }
 
     /// How far the line from a's origin to b's may turn as seen from a.
@@ -348,7 +348,7 @@ impl RelativeChain {
         let mut moved = moving.moved;
         moved.turning = [moved.spin.length(), operator_norm(&moved.twist)];
         let whole = moved.off_by_reach * moving.length;
-        moved.off += (whole - moving.off_by_length).max(0.0) + OF_ROUNDING * whole;
+        moved.off += (whole - moving.off_by_length).max(0.0) + LOST * whole;
         match moved.is_known() {
             true => moved,
             false => RelativeMove::unknown(moved.pose),

@@ -167,7 +167,9 @@ impl Scheme {
     pub fn places(&self) -> impl Iterator<Item = DVec3> + '_ {
         let joints = self.joints.iter().flat_map(|j| [j.at, j.from]);
         let lengths = self.lengths.iter().flat_map(|l| [l.from, l.to]);
-        let paths = self.links.iter().flat_map(|l| l.paths.iter().flatten());
+        // The frame has no lines of its own.
+        let moving = self.links.iter().skip(1);
+        let paths = moving.flat_map(|l| l.paths.iter().flatten());
         let points = self.points.iter().map(|(_, at, _)| *at);
         let surfaces = self.surfaces.iter().flat_map(SchemeSurface::extent);
         joints

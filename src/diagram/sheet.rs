@@ -154,7 +154,8 @@ pub fn draw_sheet(scheme: &Scheme, options: &SheetOptions) -> DiagramSheet {
         draw_frames(&scheme.links, &plane, &lettering, &mut ink);
     }
     // Labels last, when all that they must avoid is drawn.
-    let title_height = 4.0 * LETTERS * unit;
+    let folds = title_lines(options, &plane, unit).len().saturating_sub(1);
+    let title_height = (4.0 + TITLE_LINE * folds as f64) * LETTERS * unit;
     let mut area = plane.inside(6.0 * unit);
     area.top += title_height;
     let (labels, left_out) = place_labels(&mut ink, area);
@@ -337,6 +338,23 @@ fn draw_quantities(
     hidden
 }
 
+/// Size of the title's letters, in that of the others.
+const TITLE: f64 = 1.35;
+
+/// Height of a line of the title, in letters.
+const TITLE_LINE: f64 = 2.0;
+
+/// The title, folded to the width.
+fn title_lines(options: &SheetOptions, plane: &DrawingPlane, unit: f64) -> Vec<String> {
+    let wide = plane.size[0] - 36.0 * unit;
+    folded_lines(
+        &options.title,
+        wide,
+        TITLE * LETTERS * unit,
+        &Ruler::default(),
+    )
+}
+
 /// Title, drawing and notes as one.
 fn finished_sheet(
     mut ink: Ink,
@@ -357,13 +375,16 @@ fn finished_sheet(
     let line_height = 2.1 * note_size;
     let mut baseline = plane.size[1] + 0.9 * line_height;
     let left = 18.0 * unit;
-    ink.text(
-        [left, 2.6 * LETTERS * unit],
-        &options.title,
-        1.35 * LETTERS * unit,
-        TextAnchor::Start,
-        theme.text,
-    );
+    let letters = LETTERS * unit;
+    for (k, line) in title_lines(options, plane, unit).iter().enumerate() {
+        ink.text(
+            [left, (2.6 + TITLE_LINE * k as f64) * letters],
+            line,
+            TITLE * letters,
+            TextAnchor::Start,
+            theme.text,
+        );
+    }
     for line in &lines {
         ink.text(
             [left, baseline],

@@ -126,7 +126,14 @@ impl<'m> BarEnds<'m> {
                 .iter()
                 .find(|(_, chain)| self.rests_on(&end.carrier, chain))
         };
-        alike.or_else(resting).map(|(link, _)| *link)
+        // The centre of a rotation is a point of what turns.
+        let turning = || {
+            chains
+                .iter()
+                .find(|(_, chain)| self.is_point_of(&end.carrier, chain))
+        };
+        let found = alike.or_else(resting).or_else(turning);
+        found.map(|(link, _)| *link)
     }
 
     /// The ends that links carry: the link, and the place in its frame.
@@ -165,14 +172,15 @@ impl<'m> BarEnds<'m> {
     pub fn free_bodies(&self) -> Vec<(&'m Chain, Vec<DVec3>)> {
         let arguments = self.trial_arguments(0);
         let mut bodies: Vec<(&Chain, Vec<DVec3>)> = Vec::new();
-        for end in self.bars().flatten() {
-            if self.guide_of(end).is_some() || self.link_of(end).is_some() {
-                continue;
-            }
+        let is_free = |end: &&BarEnd| self.guide_of(end).is_none() && self.link_of(end).is_none();
+        let mut free: Vec<&BarEnd> = self.bars().flatten().filter(is_free).collect();
+        // Those that turn first: the centre of a rotation is one of their points.
+        free.sort_by_key(|end| std::cmp::Reverse(end.carrier.arguments().len()));
+        for end in free {
             let place = end.carrier.pose(&arguments).translation;
             match bodies
                 .iter_mut()
-                .find(|(first, _)| self.rests_on(&end.carrier, first))
+                .find(|(first, _)| self.is_point_of(&end.carrier, first))
             {
                 Some((first, places)) => {
                     let place = first.pose(&arguments).inverse().transform_point(place);
@@ -199,6 +207,27 @@ impl<'m> BarEnds<'m> {
         mechanism.argument_values(&coordinates.collect::<Vec<f64>>())
     }
 
+    /// Whether the place of the end of a chain rests in the frame at the end of another one, which no other arguments move.
+    fn is_point_of(&self, carried: &Chain, carrier: &Chain) -> bool {
+        let arguments = carrier.arguments();
+        let mut own = carried.arguments().into_iter();
+        let size = self.mechanism.size;
+        own.all(|argument| arguments.contains(&argument))
+            && self
+                .seen_from(carried, carrier)
+                .windows(2)
+                .all(|pair| pair[0].translation.distance(pair[1].translation) <= AT_REST * size)
+    }
+
+    /// The end of a chain in the frame of another one's, at some coordinates.
+    fn seen_from(&self, carried: &Chain, carrier: &Chain) -> Vec<Pose> {
+        let seen = (0..TRIALS).map(|trial| {
+            let arguments = self.trial_arguments(trial);
+            carrier.pose(&arguments).inverse() * carried.pose(&arguments)
+        });
+        seen.collect()
+    }
+
     /// Whether the end of a chain rests in the frame at the end of another one that is moved by the same arguments: chains may be
     /// written in other ways, with a shift along an axis before or behind the rotation about it.
     fn rests_on(&self, carried: &Chain, carrier: &Chain) -> bool {
@@ -206,11 +235,7 @@ impl<'m> BarEnds<'m> {
             return false;
         }
         let size = self.mechanism.size;
-        let seen = (0..TRIALS).map(|trial| {
-            let arguments = self.trial_arguments(trial);
-            carrier.pose(&arguments).inverse() * carried.pose(&arguments)
-        });
-        let seen: Vec<Pose> = seen.collect();
+        let seen = self.seen_from(carried, carrier);
         let apart = |a: &Pose, b: &Pose| {
             let turned = (0..3).map(|k| (a.rotation.col(k) - b.rotation.col(k)).length());
             (a.translation - b.translation).length() + size * turned.sum::<f64>()

@@ -13,8 +13,14 @@ impl Equation {
     /// The magnitude of its terms: its value, or the change when one of its coordinates is set to zero; half-way to it if there is a
     /// pole there, or nearly. At least [`ROUNDED`] of its largest summand. The pose is restored afterwards.
     pub fn terms(&self, pose: &mut [f64]) -> f64 {
-        let mut reach = finite_or_zero(self.expression.value(pose));
-        reach = reach.max(ROUNDED * self.summand(pose));
+        let value = self.expression.value(pose);
+        // Beside a pole nothing is known of its summands either.
+        let rounded = if value.is_finite() {
+            ROUNDED * self.summand(pose)
+        } else {
+            0.0
+        };
+        let mut reach = finite_or_zero(value).max(rounded);
         for slot in self.expression.slots() {
             let [whole, half] =
                 [1.0, 0.5].map(|share| self.change(pose, slot, -share * pose[slot]));

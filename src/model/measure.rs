@@ -175,6 +175,11 @@ impl MeasureSource {
         }
     }
 
+    /// Whether it is an extreme value.
+    pub fn is_extreme(&self) -> bool {
+        matches!(self, Self::Over { taking, .. } if taking.is_extreme())
+    }
+
     /// Whether it is made of the values at both ends, or at one of them.
     pub fn is_of_ends(&self) -> bool {
         let of_ends = |taking: &Taking| {

@@ -30,7 +30,7 @@ impl TableCell {
     /// The cell in a document: an undefined value is null, as it is an empty cell in CSV.
     pub fn json(self) -> Value {
         match self {
-            Self::Number(value) => json!(value),
+            Self::Number(value) => json!(value + 0.0),
             Self::Whole(value) => json!(value),
             Self::Text(text) => json!(text),
             Self::Empty => Value::Null,
@@ -39,7 +39,8 @@ impl TableCell {
 
     fn push(&self, text: &mut String) {
         match self {
-            Self::Number(value) if value.is_finite() => push_shortest_decimal(text, *value),
+            // Nothing is less than nothing: -0 is 0.
+            Self::Number(value) if value.is_finite() => push_shortest_decimal(text, value + 0.0),
             Self::Whole(value) => text.push_str(&value.to_string()),
             Self::Text(own) => text.push_str(&quoted_cell(own)),
             Self::Number(_) | Self::Empty => {}

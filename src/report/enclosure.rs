@@ -131,7 +131,7 @@ fn enclosure_cells(
     cells.extend(
         inputs
             .take(plan.family.own_inputs())
-            .map(|(input, v)| number(*v, input.kind)),
+            .map(|(input, v)| TableCell::Number(mechanism.file_value(input.kind, *v))),
     );
     let names = shown_names(mechanism);
     let each = if searched { 5 } else { 3 };

@@ -103,7 +103,7 @@ impl<'a> SensitivityTable<'a> {
         let one_sided = self.nominal.one_sided_names(self.family);
         if !one_sided.is_empty() {
             text.push_str(&format!(
-                "Of one side only, at a kink of a formula or where several poses share an extreme: {}.\n",
+                "Taken from one side only, at a kink of a formula or where several poses share an extreme: {}.\n",
                 one_sided.join(", ")
             ));
         }

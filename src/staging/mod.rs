@@ -278,6 +278,12 @@ impl<'a> Staging<'a> {
         frame
     }
 
+    /// Whether there is a pose at sample `index`, and nothing to see of it.
+    pub fn is_bare(&self, index: usize) -> bool {
+        let frame = self.frame(index);
+        !frame.no_pose && frame.instances.is_empty() && frame.labels.is_empty()
+    }
+
     /// Title and values of sample `index` alone.
     pub fn captions(&self, index: usize) -> Frame {
         let mut frame = Frame::default();

@@ -5,6 +5,8 @@ use super::family_error::FamilyError;
 use super::gradient::Gradients;
 use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::diag::Source;
+use crate::model::expression::Expression;
+use crate::model::measure::MeasureSource;
 use crate::scene::{Overrides, Scene, load_scene};
 
 /// A scene that is studied.
@@ -47,18 +49,51 @@ impl NominalStudy {
         marked.map(|(measure, _)| measure.name.as_str()).collect()
     }
 
-    /// Takes the values and derivatives of some measures from a study with more poses.
-    fn take_measures(&mut self, other: Self, is_taken: &[bool]) {
+    /// Takes the values and derivatives of some measures from a study with more poses, and those of formulas from what they are of.
+    fn take_measures(&mut self, family: &ParametricMechanism, other: Self, is_taken: &[bool]) {
+        let inputs = family.actuation.inputs_at(0.0);
         let Gradients { measures, rows } = other.gradients;
         let found = measures.into_iter().zip(rows).zip(other.one_sided);
         for (index, ((value, row), one_sided)) in found.enumerate() {
-            if is_taken[index] {
-                self.gradients.measures[index] = value;
-                self.gradients.rows[index] = row;
-                self.one_sided[index] = one_sided;
+            let own = &mut self.gradients;
+            match &family.measures.list[index].source {
+                MeasureSource::Formula(formula) => {
+                    let slots = [&inputs, &own.measures[..index]].concat();
+                    own.measures[index] = formula.value(&slots);
+                    own.rows[index] = formula_row(family, formula, &slots, &own.rows);
+                    let measures = formula.slots().into_iter();
+                    let mut measures = measures.filter_map(|slot| slot.checked_sub(inputs.len()));
+                    self.one_sided[index] |= one_sided || measures.any(|k| self.one_sided[k]);
+                }
+                MeasureSource::Over { .. } if is_taken[index] => {
+                    own.measures[index] = value;
+                    own.rows[index] = row;
+                    self.one_sided[index] = one_sided;
+                }
+                MeasureSource::Over { .. } => {}
             }
         }
     }
+}
+
+/// Derivatives of a formula of measures by the variables, from those of the measures before it.
+fn formula_row(
+    family: &ParametricMechanism,
+    formula: &Expression,
+    slots: &[f64],
+    rows: &[Vec<f64>],
+) -> Vec<f64> {
+    let (inputs, own) = (family.mechanism().inputs.len(), family.own_inputs());
+    let gradient = formula.gradient(slots);
+    let of_variable = |variable: usize| {
+        let of_measures = gradient[inputs..].iter().zip(rows);
+        let through: f64 = of_measures
+            .filter(|(by_measure, _)| **by_measure != 0.0)
+            .map(|(by_measure, row)| by_measure * row[variable])
+            .sum();
+        gradient[own + variable] + through
+    };
+    (0..inputs - own).map(of_variable).collect()
 }
 
 /// Stands for every dimension.
@@ -167,7 +202,7 @@ impl LoadedStudy {
         let refined = self.family.refined_extremes(&found.drawn);
         if !refined.times.is_empty() {
             let family = self.family.clone().at_more_times(refined.times);
-            found.take_measures(nominal_of(&family)?, &refined.is_whole);
+            found.take_measures(&family, nominal_of(&family)?, &refined.is_whole);
         }
         found.is_whole = refined.is_whole;
         let names = self.family.measures.list.iter().map(|m| &m.name);

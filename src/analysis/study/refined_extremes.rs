@@ -45,8 +45,9 @@ impl ParametricMechanism {
         for measure in list {
             let is_whole = match &measure.source {
                 MeasureSource::Formula(formula) => self.uses_whole(formula, &found.is_whole),
-                source if source.track().is_some() => true,
                 source if source.is_of_ends() => true,
+                // Of a track, means and sums are those of its poses.
+                source if source.track().is_some() => !source.is_extreme(),
                 _ => match self.times_of(measure, drawn, &mut solver) {
                     Some(times) => {
                         found.times.extend(times);

@@ -22,6 +22,9 @@ pub fn run_draw(args: &DrawArgs, term: &Term) -> Result<Outcome, Failure> {
     let open = open_changed(&args.scene, |overrides| overrides.notation = true, term)?;
     let scene = &open.scene;
     let scheme = chosen_scheme(&open, args.at)?;
+    if scheme.places().next().is_none() {
+        term.warning("nothing is drawn: the scene has no links, bars or contacts");
+    }
     let sheet = draw_sheet(&scheme, &sheet_options(args, scene));
     let mut output = io::open_output(&args.out)?;
     let written = write_drawing(&sheet.drawing, format, output.as_mut());

@@ -108,6 +108,11 @@ pub fn run_render(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     };
     let panes = panes::pane_stagings(&views, &trajectory, options, &marks);
     let staging = Staging::marked(&scene, &trajectory, options, marks);
+    if staging.is_bare(plan.frame_range().start) {
+        term.warning(
+            "nothing is drawn: the scene has no links, bars or contacts, or all bodies are hidden",
+        );
+    }
     clock.end_stage("stage");
     if format.is_model() {
         let samples = plan.frame_range();

@@ -85,7 +85,13 @@ impl InputsTable<'_> {
     fn missing(&self, input: &str) -> Failure {
         let what = format!("there is no column for the input `{input}`");
         let named = self.table.header.iter().filter(|name| !name.is_empty());
-        let hint = name_hint(input, named.map(String::as_str));
+        // The columns of other inputs are not meant.
+        let named = named.filter(|name| !self.is_input(name));
+        let named: Vec<&str> = named.map(String::as_str).collect();
+        let hint = match named.is_empty() {
+            true => "every input needs a column of its name".to_owned(),
+            false => name_hint(input, named.into_iter()),
+        };
         self.table.fault(0, &what, &hint)
     }
 

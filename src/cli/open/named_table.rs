@@ -82,12 +82,17 @@ impl<'f> NamedTable<'f> {
 
     /// The column of times, under a name that nothing else has.
     pub fn find_time(&self, is_taken: impl Fn(&str) -> bool) -> Result<Option<usize>, Failure> {
+        let mut found = None;
         for name in TIMES.into_iter().filter(|name| !is_taken(name)) {
-            if let Some(column) = self.find_column(name)? {
-                return Ok(Some(column));
+            let column = self.find_column(name)?;
+            if let (Some(first), Some(second)) = (found, column) {
+                let [first, name] = [first, second].map(|k: usize| &self.header[k]);
+                let what = format!("`{first}` and `{name}` are both columns of times");
+                return Err(self.fault(second, &what, "leave one of them out"));
             }
+            found = found.or(column);
         }
-        Ok(None)
+        Ok(found)
     }
 
     /// Refuses columns without a name or with the same one: none may be ignored.

@@ -349,7 +349,6 @@ mod tests {
             around_zero.sqrt(),
             around_zero.atan2(Form::number(-1.0)),
             around_zero.floor(),
-            around_zero.abs(),
             Form::number(1.0).asin(),
             Form::undefined() * Form::ZERO,
             Form::undefined() + Form::number(1.0),

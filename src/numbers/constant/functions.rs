@@ -236,12 +236,14 @@ impl Scalar for Constant {
             // Whole powers by repeated squaring, the square root by its own function, all others as exp(e ln x).
             Some(e) if e.fract() == 0.0 && e.abs() <= LARGEST_WHOLE_POWER => {
                 let product = self.whole_power(e.abs() as u32);
-                if e < 0.0 {
-                    Self::exact(1.0) / product
-                } else {
-                    product
+                match e < 0.0 {
+                    // The inverse of a power beyond all numbers.
+                    true if product.value.hi.is_infinite() => Self::within(0.0, SMALLEST),
+                    true => Self::exact(1.0) / product,
+                    false => product,
                 }
             }
+            Some(_) if self.as_number() == Some(1.0) => self,
             // All such numbers beyond 2⁵³ are even.
             Some(e) if e.fract() == 0.0 && self.value.hi < 0.0 => {
                 let size = (-self).power(exponent);

@@ -102,9 +102,11 @@ fn append_op(
                 _ if value.is_infinite() => format!("this formula has the value {value}"),
                 _ => "the value of this formula is not known to enough digits".to_owned(),
             };
-            return Err(Diagnostic::error(message)
-                .at(node.span.clone())
-                .hint("every constant must be a finite number"));
+            let hint = match value.is_finite() {
+                true => "write it with numbers of a more usual size",
+                false => "every constant must be a finite number",
+            };
+            return Err(Diagnostic::error(message).at(node.span.clone()).hint(hint));
         }
     };
     ops.push(op);

@@ -210,12 +210,11 @@ fn resolve_over(
         whole = dimension;
         formulas.push(formula);
     }
-    // A share of the poses is a number. So are length by length, and angle by anything, in radians.
-    let by = per.map(|input| scope.names.inputs[input].kind);
-    let is_plain = taking == Taking::Positive
-        || by.is_some_and(|by| whole.kind() == by || whole.kind() == Kind::Angle);
-    if is_plain {
+    // A share of the poses is a number.
+    if taking == Taking::Positive {
         whole = PhysicalDimension::NUMBER;
+    } else if let Some(input) = per {
+        whole = whole - PhysicalDimension::of(scope.names.inputs[input].kind);
     }
     let source = MeasureSource::Over {
         winds: formulas

@@ -37,10 +37,16 @@ pub fn start_poses(
 ) -> Vec<Vec<f64>> {
     let starts = INSTANTS.map(|share| actuation.start_at(share * actuation.duration));
     let equations = mechanism.equations.iter();
+    let unknowns = mechanism.unknowns.len();
+    // Those between inputs cannot be solved.
+    let has_unknowns = |equation: &&Equation| {
+        let slots = equation.expression.slots();
+        slots.into_iter().any(|slot| slot < unknowns)
+    };
     let equations: Vec<&Equation> = equations
         .filter(|equation| own.contains(&equation.name.as_str()))
+        .filter(has_unknowns)
         .collect();
-    let unknowns = mechanism.unknowns.len();
     let slots = equations.iter().flat_map(|e| e.expression.slots());
     let mut slots: Vec<usize> = slots.filter(|slot| *slot < unknowns).collect();
     slots.sort_unstable();

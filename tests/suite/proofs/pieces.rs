@@ -395,7 +395,7 @@ fn the_program_judges_every_piece_by_one_rule() {
         let text = String::from_utf8(output.stdout).unwrap();
         assert_eq!(output.status.code(), Some(code), "{text}");
         assert!(
-            text.contains("every piece      2 dimensions within their tolerances"),
+            text.contains("every piece      2 dimensions (r, w) within their tolerances"),
             "{text}"
         );
         let document: Value = serde_json::from_slice(&workspace.read("a.json")).unwrap();
