@@ -150,16 +150,19 @@ impl<'m> BarEnds<'m> {
         ends.collect()
     }
 
-    /// The traced points that moving links carry: the link, and the place in its frame.
+    /// The traced points and the origins of bodies that moving links carry: the link, and the place in its frame.
     pub fn traced(&self) -> Vec<(usize, DVec3)> {
         let (mechanism, arguments) = (self.mechanism, self.trial_arguments(0));
-        let points = mechanism.traces.iter().map(|trace| {
-            let link = mechanism.joints.of_body[trace.body];
+        let traces = mechanism
+            .traces
+            .iter()
+            .map(|trace| (trace.body, trace.point));
+        let origins = (0..mechanism.bodies.len()).map(|body| (body, DVec3::ZERO));
+        let points = traces.chain(origins).map(|(body, point)| {
+            let link = mechanism.joints.of_body[body];
             let world_from_link = mechanism.joints.world_from_link(link).pose(&arguments);
-            let world_from_body = mechanism.bodies[trace.body]
-                .world_from_body
-                .pose(&arguments);
-            let place = world_from_body.transform_point(trace.point);
+            let world_from_body = mechanism.bodies[body].world_from_body.pose(&arguments);
+            let place = world_from_body.transform_point(point);
             (link, world_from_link.inverse().transform_point(place))
         });
         points

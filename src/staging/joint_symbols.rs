@@ -131,6 +131,11 @@ impl JointSymbols {
                 let frame = CarriedFrame::of_link(link.link);
                 add(link.solids, PieceCarrier::Link(frame), link.colour);
             }
+            for (frame, to) in joints::inner_links(mechanism) {
+                let rods = link_symbols::rods_between(&[DVec3::ZERO, to], ROD * radius);
+                add(rods, PieceCarrier::Link(frame), link_colour(count));
+                count += 1;
+            }
             for (chain, places) in BarEnds::new(mechanism).free_bodies() {
                 let rods = link_symbols::rods_between(&places, ROD * radius);
                 add(rods, PieceCarrier::End(chain.clone()), MOVER);

@@ -6,7 +6,7 @@ use super::floating::floating_joints;
 use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::math::Pose;
 use crate::model::bar_ends::BarEnds;
-use crate::model::chain::{ArgumentValue, Chain, ChainStep, ElementaryMotion};
+use crate::model::chain::{ArgumentValue, Chain, ChainJoint, ChainStep, ElementaryMotion};
 use crate::model::joints::{Joint, JointKind, LinkFrame};
 use crate::model::mechanism::Mechanism;
 use crate::model::walk::walk_chain;
@@ -143,8 +143,34 @@ pub fn placed_joints(mechanism: &Mechanism) -> Vec<PlacedJoint> {
         .zip(floating_joints(mechanism))
         .filter(|(_, floats)| !floats);
     let jointed = jointed.filter(|((j, _), _)| !j.is_placed && !ends.place_joint(j));
-    let jointed = jointed.filter_map(|((joint, shift), _)| place_joint(joint, shift));
+    let jointed = jointed.flat_map(|((joint, shift), _)| match parts_of(joint) {
+        Some(parts) => parts,
+        None => place_joint(joint, shift).into_iter().collect(),
+    });
     jointed.chain(guided_ends(&ends)).collect()
+}
+
+/// What stands between two motions of one joint and moves with the first of them, such as the column under a shoulder: its frame, and
+/// where it leads to from there.
+pub fn inner_links(mechanism: &Mechanism) -> Vec<(CarriedFrame, DVec3)> {
+    let ends = BarEnds::new(mechanism);
+    let joints = mechanism.joints.list.iter().zip(floating_joints(mechanism));
+    let joints =
+        joints.filter(|(joint, floats)| !floats && !joint.is_placed && !ends.place_joint(joint));
+    let inner = joints.flat_map(|(joint, _)| {
+        let steps = &joint.steps;
+        let moves = |step: &ChainStep| step.joint().is_some();
+        let first = steps.iter().position(moves).unwrap_or(steps.len());
+        let last = steps.iter().rposition(moves).unwrap_or(0);
+        (first + 1..=last).filter_map(move |k| {
+            let ChainStep::Fixed(pose) = &steps[k] else {
+                return None;
+            };
+            let frame = CarriedFrame::new(&joint.before).then(&steps[..k]);
+            (pose.translation != DVec3::ZERO).then_some((frame, pose.translation))
+        })
+    });
+    inner.collect()
 }
 
 /// The guides of ends that slide along lines of the frame, where no joint of the table has their coordinate.
@@ -167,6 +193,68 @@ fn guided_ends(ends: &BarEnds) -> Vec<PlacedJoint> {
         });
     }
     guides
+}
+
+/// A joint whose motions have places of their own, part by part: a column on its bearing with the shoulder on top. `None` if all of them
+/// have one place, or are not told apart.
+fn parts_of(joint: &Joint) -> Option<Vec<PlacedJoint>> {
+    use JointKind::{Cylindrical, Spherical, Universal};
+    let is_apart = |step: &ChainStep| match step {
+        ChainStep::Fixed(pose) => pose.translation != DVec3::ZERO,
+        ChainStep::Joint { .. } => false,
+    };
+    let steps = &joint.steps;
+    let moving: Vec<usize> = (0..steps.len())
+        .filter(|k| steps[*k].joint().is_some())
+        .collect();
+    let (first, last) = (*moving.first()?, *moving.last()?);
+    if !(matches!(joint.kind, Cylindrical | Spherical | Universal)
+        && steps[first..last].iter().any(is_apart))
+    {
+        return None;
+    }
+    // Motions without an offset between them are one part.
+    let mut parts: Vec<Vec<usize>> = Vec::new();
+    for k in moving {
+        let known = parts.last_mut();
+        let beside = known.filter(|part| {
+            let before = part.last().copied().unwrap_or(k);
+            !steps[before..k].iter().any(is_apart)
+        });
+        match beside {
+            Some(part) => part.push(k),
+            None => parts.push(vec![k]),
+        }
+    }
+    let start = CarriedFrame::new(&joint.before);
+    let count = parts.len();
+    let placed = parts.iter().enumerate().map(|(index, part)| {
+        let [from, until] = [part[0], part[part.len() - 1]];
+        let own = part.iter().filter_map(|k| steps[*k].joint());
+        let own: Vec<ChainJoint> = own.collect();
+        let turning = own
+            .iter()
+            .filter(|step| step.motion == ElementaryMotion::Rotation);
+        let turning: Vec<usize> = turning.map(|step| step.axis).collect();
+        let kind = match (own.len(), turning.len()) {
+            (1, 0) => JointKind::Prismatic,
+            (1, 1) => JointKind::Revolute,
+            (2, 2) => Universal,
+            (3, 3) => Spherical,
+            _ => return None,
+        };
+        let is_of_frame =
+            (index == 0 && joint.before.link == 0) || (index + 1 == count && joint.after.link == 0);
+        Some(PlacedJoint {
+            kind,
+            axis: own[0].axis,
+            last_axis: turning.last().copied().unwrap_or(own[0].axis),
+            grounded: is_of_frame,
+            before: start.clone().then(&steps[..from]),
+            after: start.clone().then(&steps[..=until]),
+        })
+    });
+    placed.collect()
 }
 
 fn place_joint(joint: &Joint, shift: f64) -> Option<PlacedJoint> {

@@ -281,7 +281,7 @@ impl<'a> Staging<'a> {
     /// Whether there is a pose at sample `index`, and nothing to see of it.
     pub fn is_bare(&self, index: usize) -> bool {
         let frame = self.frame(index);
-        !frame.no_pose && frame.instances.is_empty() && frame.labels.is_empty()
+        !frame.no_pose && frame.instances.is_empty() && self.letters.is_empty()
     }
 
     /// Title and values of sample `index` alone.

@@ -243,7 +243,6 @@ impl Scalar for Constant {
                     false => product,
                 }
             }
-            Some(_) if self.as_number() == Some(1.0) => self,
             // All such numbers beyond 2⁵³ are even.
             Some(e) if e.fract() == 0.0 && self.value.hi < 0.0 => {
                 let size = (-self).power(exponent);

@@ -412,7 +412,7 @@ fn the_program_judges_every_piece_by_one_rule() {
     let output = workspace.command(&run).output().unwrap();
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(
-        output.status.success() && text.contains("1 dimension within its tolerance"),
+        output.status.success() && text.contains("1 dimension (r) within its tolerance"),
         "{text}"
     );
 }
