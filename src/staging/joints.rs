@@ -306,6 +306,7 @@ fn place_joint(joint: &Joint, shift: f64) -> Option<PlacedJoint> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::diag::Source;
     use crate::kinematics::motion::continuation::solve_motion;
     use crate::kinematics::structure::system::System;
     use crate::scene::{Overrides, builtin, load_scene};
@@ -335,5 +336,49 @@ mod tests {
             let moved = slider.after.pose(&at).translation.length();
             assert!((moved - pose.unknowns[stroke]).abs() < 1e-9, "{moved}");
         }
+    }
+
+    /// Motions of one joint that have places of their own have symbols of their own, and links in between.
+    #[test]
+    fn parts_of_a_joint_are_told_apart() {
+        use JointKind::{Prismatic, Revolute, Spherical};
+        let rows: [(&str, &[JointKind], usize); 4] = [
+            ("Rz(a) Tz(1) Ry(b) Tx(1)", &[Revolute, Revolute], 1),
+            (
+                "Rz(a) Tx(1) Rz(b) Tx(1) Tz(c) Tx(0.1)",
+                &[Revolute, Revolute, Prismatic],
+                1,
+            ),
+            ("Rz(a) Ry(b) Rx(c) Tx(1)", &[Spherical], 0),
+            ("Rz(a) Tx(1) Ty(1) Rz(b) Tx(1)", &[Revolute, Revolute], 0),
+        ];
+        for (chain, kinds, inner) in rows {
+            let text = format!(
+                "duration = 1\n[inputs]\na = \"t\"\nb = \"2*t\"\nc = \"0.3*t\"\n[[bodies]]\nname = \"arm\"\nframe = \"{chain}\"\n"
+            );
+            let name = "arm".to_owned();
+            let scene = load_scene(&Source { name, text }, &Overrides::default()).unwrap();
+            let placed = placed_joints(&scene.mechanism);
+            let found: Vec<JointKind> = placed.iter().map(|joint| joint.kind).collect();
+            assert_eq!(found, kinds, "{chain}");
+            assert_eq!(inner_links(&scene.mechanism).len(), inner, "{chain}");
+        }
+    }
+
+    /// The centre of a platform's rotation is one of its points.
+    #[test]
+    fn a_bar_at_the_centre_of_a_platform_holds_it() {
+        let text = "duration = 1\n[inputs]\nl = \"1 + 0.2*t\"\n[chains]\nP = \"T(x, y, 0) Rz(g)\"\n[bars]\n\
+                    a = { from = [0, 0], to = \"P\", length = \"l\" }\nb = { from = [2, 0], to = \"P Tx(1)\", length = 1 }\n\
+                    c = { from = [1, 2], to = \"P Ty(0.5)\", length = 1.5 }\n[guess]\nx = 0.5\ny = 1\n";
+        let source = Source {
+            name: "platform".to_owned(),
+            text: text.to_owned(),
+        };
+        let scene = load_scene(&source, &Overrides::default()).unwrap();
+        let ends = BarEnds::new(&scene.mechanism);
+        let carried = ends.carried();
+        assert_eq!(carried.len(), 3);
+        assert!(carried.iter().all(|(link, _)| *link == carried[0].0));
     }
 }

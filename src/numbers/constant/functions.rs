@@ -237,8 +237,6 @@ impl Scalar for Constant {
             Some(e) if e.fract() == 0.0 && e.abs() <= LARGEST_WHOLE_POWER => {
                 let product = self.whole_power(e.abs() as u32);
                 match e < 0.0 {
-                    // The inverse of a power beyond all numbers.
-                    true if product.value.hi.is_infinite() => Self::within(0.0, SMALLEST),
                     true => Self::exact(1.0) / product,
                     false => product,
                 }

@@ -73,7 +73,6 @@ fn constants_are_terms() {
         "x + 0.1 + 0.2 - 0.3",
         "x - phi + 1e5/3 - 1e5*(1/3)",
         "x - phi + exp(-1e300)",
-        "x - phi + 2^(-1080)",
         "x - phi + 1e-99999999999",
     ] {
         folder.write(
