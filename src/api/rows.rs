@@ -51,7 +51,7 @@ pub(super) fn drives(
                 input.name
             )));
         };
-        let inside = |value: &f64| mechanism.from_file(input.kind, *value);
+        let inside = |value: &f64| mechanism.inner_value(input.kind, *value);
         Ok(Drive::Keys {
             times: times.to_vec(),
             values: values.iter().map(inside).collect(),

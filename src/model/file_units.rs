@@ -79,7 +79,7 @@ impl Mechanism {
     }
 
     /// The value that a number in the file's unit has.
-    pub fn from_file(&self, kind: Kind, number: f64) -> f64 {
+    pub fn inner_value(&self, kind: Kind, number: f64) -> f64 {
         number * self.unit_of(kind).number()
     }
 

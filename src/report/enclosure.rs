@@ -366,7 +366,7 @@ pub fn measure_lines(plan: &TolerancePlan, bands: &[MeasureBand]) -> String {
             (false, false) => format!("{}: not proved", limits.join(", ")),
         };
         let ends = [shown(band.lo, -1.0), shown(band.hi, 1.0)];
-        rows.push([&[measure.name.clone()], &ends[..], &[verdict]].concat());
+        rows.push([std::slice::from_ref(&measure.name), &ends[..], &[verdict]].concat());
     }
     aligned_rows(&rows)
 }

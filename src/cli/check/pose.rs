@@ -64,7 +64,7 @@ fn offered_coordinates(args: &CheckArgs, scene: &Scene) -> Result<Vec<f64>, Fail
             let message = format!("the pose has two values for `{name}`");
             return Err(Failure::usage(message, Vec::new()));
         }
-        values[index] = Some(mechanism.from_file(mechanism.unknowns[index].kind, value));
+        values[index] = Some(mechanism.inner_value(mechanism.unknowns[index].kind, value));
     }
     let missing: Vec<&str> = mechanism
         .unknowns

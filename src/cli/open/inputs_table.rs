@@ -90,7 +90,7 @@ impl InputsTable<'_> {
         let named: Vec<&str> = named.map(String::as_str).collect();
         let hint = match named.is_empty() {
             true => "every input needs a column of its name".to_owned(),
-            false => name_hint(input, named.into_iter()),
+            false => name_hint(input, named),
         };
         self.table.fault(0, &what, &hint)
     }
@@ -119,7 +119,7 @@ impl InputsTable<'_> {
         self.times.push(time);
         for (k, input) in self.mechanism.inputs.iter().enumerate() {
             let value = self.table.number(row, self.columns[k])?;
-            self.values[k].push(value / self.mechanism.file_units(input.kind));
+            self.values[k].push(self.mechanism.inner_value(input.kind, value));
         }
         self.allow_rows()
     }

@@ -22,7 +22,7 @@ impl LiveScene {
             let index = known.clone().position(|input| input.name == *name);
             let index = index.ok_or_else(|| LiveError::Request(format!("no input `{name}`")))?;
             let kind = self.mechanism().inputs[index].kind;
-            inputs[index] = self.mechanism().from_file(kind, *value);
+            inputs[index] = self.mechanism().inner_value(kind, *value);
         }
         Ok(self.follow_by_hand(&start, &pose, &inputs))
     }
