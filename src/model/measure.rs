@@ -90,7 +90,7 @@ impl Taking {
     }
 
     /// Whether it does not matter how often a value is taken.
-    const fn is_extreme(self) -> bool {
+    pub const fn is_extreme(self) -> bool {
         matches!(self, Self::Min | Self::Max | Self::Range | Self::Largest)
     }
 
@@ -98,6 +98,16 @@ impl Taking {
     const fn reaches_end(self) -> bool {
         let is_of_way = matches!(self, Self::Positive | Self::Bow);
         is_of_way || matches!(self, Self::Last | Self::Change | Self::Chord)
+    }
+
+    /// The sides on which an extreme value may lie: the greatest (1), the least (-1); none for what is no extreme.
+    pub const fn sides(self) -> &'static [f64] {
+        match self {
+            Self::Max => &[1.0],
+            Self::Min => &[-1.0],
+            Self::Range | Self::Largest => &[1.0, -1.0],
+            _ => &[],
+        }
     }
 
     /// How many values a pose gives: a path has two coordinates.
@@ -182,13 +192,7 @@ impl MeasureSource {
 
     /// Whether it is made of the values at both ends, or at one of them.
     pub fn is_of_ends(&self) -> bool {
-        let of_ends = |taking: &Taking| {
-            matches!(
-                taking,
-                Taking::First | Taking::Last | Taking::Change | Taking::Chord
-            )
-        };
-        matches!(self, Self::Over { taking, .. } if of_ends(taking))
+        matches!(self, Self::Over { taking, .. } if taking.is_of_ends())
     }
 
     /// Index of its track.

@@ -302,6 +302,9 @@ fn over_motion(motion: &[Enclosed], index: usize, size: f64) -> Option<BandSumma
     all
 }
 
+/// What moves less than this fraction of its size is bounded by rounding alone.
+const STILL: f64 = 1e-9;
+
 fn of_band(band: &ValueBand, time: f64, size: f64) -> BandSummary {
     if !band.nominal.is_finite() {
         return BandSummary {
@@ -313,8 +316,7 @@ fn of_band(band: &ValueBand, time: f64, size: f64) -> BandSummary {
         };
     }
     let width = band.found[1] - band.found[0];
-    // A quantity that does not move is bounded by rounding alone.
-    let still = 1e-9 * band.nominal.abs().max(size);
+    let still = STILL * band.nominal.abs().max(size);
     let ratio = if width > still {
         (band.hi - band.lo) / width
     } else {

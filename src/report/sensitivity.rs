@@ -2,7 +2,7 @@
 
 use super::cells::{aligned_rows, six_digits};
 use super::csv::{TableCell, push_header, push_row};
-use crate::analysis::study::{NominalStudy, ParametricMechanism};
+use crate::analysis::study::{DRIVE_SAMPLES, NominalStudy, ParametricMechanism};
 use serde_json::{Map, Value, json};
 
 /// Version of the JSON document.
@@ -105,6 +105,13 @@ impl<'a> SensitivityTable<'a> {
             text.push_str(&format!(
                 "Taken from one side only, at a kink of a formula or where several poses share an extreme: {}.\n",
                 one_sided.join(", ")
+            ));
+        }
+        let measures = list.iter().zip(&self.nominal.is_whole);
+        let mut along_drive = measures.filter(|(measure, _)| measure.source.track().is_none());
+        if along_drive.any(|(measure, is_whole)| *is_whole && measure.source.is_extreme()) {
+            text.push_str(&format!(
+                "Extremes along the drive are sought from {DRIVE_SAMPLES} poses on; a peak between two of them is not seen.\n"
             ));
         }
         let of_poses = self.nominal.names_of_poses(self.family);

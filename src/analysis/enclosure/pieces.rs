@@ -23,8 +23,8 @@ impl PieceTolerances<'_> {
     /// The family of all pieces, and the tolerances by name in internal units. `drawn` is the scene as written.
     ///
     /// # Errors
-    /// Nothing has a tolerance; a dimension has none; the general one has no effect; there are too many; a dimension appears where tolerances cannot
-    /// be followed; errors in the scene.
+    /// Nothing has a tolerance; a dimension has none; the general one has no effect; there are too many; a dimension appears where
+    /// tolerances cannot be followed; errors in the scene.
     pub fn family(
         &self,
         source: &Source,

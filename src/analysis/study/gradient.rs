@@ -254,7 +254,12 @@ impl Evaluator<'_> {
 }
 
 /// Adds the derivative of a formula of earlier numbers, whose derivatives are `rows`.
-fn chain_rule(formula: &Expression, numbers: &[f64], rows: &[Vec<f64>], row: &mut [f64]) {
+pub(super) fn chain_rule(
+    formula: &Expression,
+    numbers: &[f64],
+    rows: &[Vec<f64>],
+    row: &mut [f64],
+) {
     let mut gradient = vec![0.0; numbers.len()];
     formula.add_gradient(
         numbers,

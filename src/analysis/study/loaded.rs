@@ -2,10 +2,9 @@
 
 use super::family::{Nominal, ParametricMechanism};
 use super::family_error::FamilyError;
-use super::gradient::Gradients;
+use super::gradient::{Gradients, chain_rule};
 use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::diag::Source;
-use crate::model::expression::Expression;
 use crate::model::measure::MeasureSource;
 use crate::scene::{Overrides, Scene, load_scene};
 
@@ -51,18 +50,27 @@ impl NominalStudy {
 
     /// Takes the values and derivatives of some measures from a study with more poses, and those of formulas from what they are of.
     fn take_measures(&mut self, family: &ParametricMechanism, other: Self, is_taken: &[bool]) {
-        let inputs = family.actuation.inputs_at(0.0);
+        // Inputs and measures, and their derivatives by the variables, which are the last inputs.
+        let mut numbers = family.actuation.inputs_at(0.0);
+        let (first, own, variables) = (
+            numbers.len(),
+            family.own_inputs(),
+            numbers.len() - family.own_inputs(),
+        );
+        let unit =
+            |input: usize| (0..variables).map(move |k| f64::from(u8::from(own + k == input)));
+        let mut changes: Vec<Vec<f64>> = (0..first).map(|input| unit(input).collect()).collect();
         let Gradients { measures, rows } = other.gradients;
         let found = measures.into_iter().zip(rows).zip(other.one_sided);
         for (index, ((value, row), one_sided)) in found.enumerate() {
             let own = &mut self.gradients;
             match &family.measures.list[index].source {
                 MeasureSource::Formula(formula) => {
-                    let slots = [&inputs, &own.measures[..index]].concat();
-                    own.measures[index] = formula.value(&slots);
-                    own.rows[index] = formula_row(family, formula, &slots, &own.rows);
+                    own.measures[index] = formula.value(&numbers);
+                    own.rows[index].fill(0.0);
+                    chain_rule(formula, &numbers, &changes, &mut own.rows[index]);
                     let measures = formula.slots().into_iter();
-                    let mut measures = measures.filter_map(|slot| slot.checked_sub(inputs.len()));
+                    let mut measures = measures.filter_map(|slot| slot.checked_sub(first));
                     self.one_sided[index] |= one_sided || measures.any(|k| self.one_sided[k]);
                 }
                 MeasureSource::Over { .. } if is_taken[index] => {
@@ -72,28 +80,10 @@ impl NominalStudy {
                 }
                 MeasureSource::Over { .. } => {}
             }
+            numbers.push(self.gradients.measures[index]);
+            changes.push(self.gradients.rows[index].clone());
         }
     }
-}
-
-/// Derivatives of a formula of measures by the variables, from those of the measures before it.
-fn formula_row(
-    family: &ParametricMechanism,
-    formula: &Expression,
-    slots: &[f64],
-    rows: &[Vec<f64>],
-) -> Vec<f64> {
-    let (inputs, own) = (family.mechanism().inputs.len(), family.own_inputs());
-    let gradient = formula.gradient(slots);
-    let of_variable = |variable: usize| {
-        let of_measures = gradient[inputs..].iter().zip(rows);
-        let through: f64 = of_measures
-            .filter(|(by_measure, _)| **by_measure != 0.0)
-            .map(|(by_measure, row)| by_measure * row[variable])
-            .sum();
-        gradient[own + variable] + through
-    };
-    (0..inputs - own).map(of_variable).collect()
 }
 
 /// Stands for every dimension.

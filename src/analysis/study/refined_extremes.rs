@@ -8,7 +8,7 @@ use crate::kinematics::rates::columns::{RateVariable, slot_series};
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::model::expression::Expression;
-use crate::model::measure::{Measure, MeasureSource, Taking};
+use crate::model::measure::{Measure, MeasureSource};
 
 /// Most Newton steps to an extreme: from a neighbouring pose five are the rule.
 const STEPS: usize = 20;
@@ -85,19 +85,15 @@ impl ParametricMechanism {
         else {
             return None;
         };
-        let signs: &[f64] = match taking {
-            Taking::Max => &[1.0],
-            Taking::Min => &[-1.0],
-            Taking::Range | Taking::Largest => &[1.0, -1.0],
-            _ => return None,
-        };
-        let formula = of.first().filter(|_| rates.is_empty())?;
+        let formula = of
+            .first()
+            .filter(|_| taking.is_extreme() && rates.is_empty())?;
         let range = self.poses_taken(&measure.source);
         let start = self.poses_of(None).start;
         let poses = drawn.poses.get(range.clone())?;
         let times = &self.drive_times()[range.start - start..range.end - start];
         let mut found = Vec::new();
-        for sign in signs {
+        for sign in taking.sides() {
             let sought = SoughtExtreme {
                 formula,
                 sign: *sign,

@@ -55,14 +55,18 @@ impl<'f> StudyRows<'f> {
         else {
             return None;
         };
-        let signs: &[f64] = match taking {
-            Taking::Max => &[1.0],
-            Taking::Min => &[-1.0],
-            Taking::Largest => &[1.0, -1.0],
-            _ => return None,
-        };
+        // The largest less the smallest is no largest of some rows.
+        if !taking.is_extreme() || *taking == Taking::Range {
+            return None;
+        }
         let poses = family.poses_taken(&measure.source);
-        Some(Self::rows_along(family, poses, &of[0], *per, signs))
+        Some(Self::rows_along(
+            family,
+            poses,
+            &of[0],
+            *per,
+            taking.sides(),
+        ))
     }
 
     /// The rows of a measure that is reduced to one number from one value per pose, and the reduction.
