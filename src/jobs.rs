@@ -1,6 +1,7 @@
 //! Numbered jobs shared among threads. Results are returned in the order of their numbers, so that they do not depend on the
 //! number of threads.
 
+use crate::sorting::sort_by_key;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -125,7 +126,7 @@ impl<'f, W, T: Send> Jobs<'f, W, T> {
 
     fn results(self) -> Vec<(usize, T)> {
         let mut found = self.found.into_inner().unwrap_or_else(|e| e.into_inner());
-        found.sort_by_key(|(index, _)| *index);
+        sort_by_key(&mut found, |(index, _)| *index);
         found
     }
 }

@@ -251,6 +251,11 @@ pub mod snapshot;
 mod snapshot;
 #[cfg(feature = "engine")]
 #[doc(hidden)]
+pub mod sorting;
+#[cfg(not(feature = "engine"))]
+mod sorting;
+#[cfg(feature = "engine")]
+#[doc(hidden)]
 pub mod staging;
 #[cfg(not(feature = "engine"))]
 mod staging;

@@ -5,6 +5,7 @@ use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 use crate::plot::chart::{Axis, Chart, EventMark, Panel, PlotSeries, Shade};
 use crate::report::lengths::LengthForm;
+use crate::sorting::sort_by_number;
 
 /// Lower bound of a pair's distance over the motion; `None` where it would lie below the chart.
 fn chart_bound(pair: &PairReport) -> Option<f64> {
@@ -85,7 +86,7 @@ fn pair_curve(mechanism: &Mechanism, report: &ClearanceReport, pair: &PairReport
     let samples = report.times.iter().zip(&pair.distances);
     let mut points: Vec<[f64; 2]> = samples.map(|(t, d)| [*t, *d]).collect();
     points.push([pair.least.time, pair.least.distance]);
-    points.sort_by(|p, q| p[0].total_cmp(&q[0]));
+    sort_by_number(&mut points, |p| p[0]);
     PlotSeries {
         name: pair_name(mechanism, pair),
         points: points.into_iter().map(Some).collect(),

@@ -6,6 +6,7 @@ use crate::numbers::decimal::fixed;
 use crate::plot::matrix::{MatrixCell, MatrixChart};
 use crate::plot::theme::Colour;
 use crate::report::lengths::{CONTACT, at_least_length};
+use crate::sorting::sort_by_key;
 use std::collections::HashMap;
 
 /// More bodies do not fit into one picture: those of the worst pairs are shown.
@@ -56,7 +57,7 @@ pub fn clearance_matrix(
         .collect();
     cells.extend(judged.map(|c| (c.place, c)));
     let mut cells: Vec<MatrixCell> = cells.into_values().collect();
-    cells.sort_by_key(|c| c.place);
+    sort_by_key(&mut cells, |c| c.place);
     let name = |body: &usize| mechanism.bodies[*body].name.clone();
     MatrixChart {
         title: mechanism.title.clone(),

@@ -2,6 +2,7 @@
 
 use crate::numbers::decimal::with_minus;
 use crate::plot::chart::{Panel, Shade};
+use crate::sorting::sort_by_number;
 
 /// Values farther away than this many times the range of the middle nine tenths are not shown. Near a singular pose a
 /// rate grows without bound and would flatten the rest of the curve.
@@ -42,7 +43,7 @@ pub(super) fn gap_shades(poseless: &[bool], valueless: &[bool], x: &[f64]) -> Ve
         }
         k = end;
     }
-    ranges.sort_by(|a, b| a.from.total_cmp(&b.from));
+    sort_by_number(&mut ranges, |a| a.from);
     let mut shades: Vec<Shade> = Vec::new();
     for range in ranges {
         match shades.last_mut() {

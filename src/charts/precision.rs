@@ -4,6 +4,7 @@ use crate::analysis::routes::{RotationForm, Route};
 use crate::analysis::work_precision::{PrecisionRow, PrecisionStudy};
 use crate::model::mechanism::Mechanism;
 use crate::plot::{Axis, Chart, Panel, PlotSeries, ScaleKind, SeriesStyle};
+use crate::sorting::sort_by_number;
 
 /// Errors below this fraction of the size are drawn here: zero has no place on a logarithmic axis.
 const LEAST_SHOWN: f64 = 1e-17;
@@ -21,7 +22,7 @@ pub fn precision_chart(mechanism: &Mechanism, study: &PrecisionStudy) -> Chart {
     let series = families.into_iter().map(|family| {
         let rows = shown.iter().filter(|r| r.family == family);
         let mut points: Vec<[f64; 2]> = rows.map(|r| [r.error.max(least), r.time]).collect();
-        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        sort_by_number(&mut points, |a| a[0]);
         PlotSeries {
             name: family.to_owned(),
             points: points.into_iter().map(Some).collect(),

@@ -12,6 +12,7 @@ use super::look::{BoundGoal, LookGoal, LookMemory, Missed, Segment};
 use super::motion::ProvedMotion;
 use super::sweep::{Least, NearestPose, PairSweep};
 use crate::distance::bodies::nearest_bodies;
+use crate::sorting::sort_by;
 
 /// Maximum number of time intervals examined for one pair.
 const MAX_LOOKS: usize = 40_000;
@@ -136,7 +137,7 @@ impl PairSweep<'_> {
             }
         };
         let mut open: Vec<Segment> = (0..motion.roots).map(whole).collect();
-        open.sort_by(|p, q| q.ends.total_cmp(&p.ends));
+        sort_by(&mut open, |p, q| q.ends.total_cmp(&p.ends));
         open
     }
 
@@ -265,8 +266,9 @@ impl SegmentSearch {
     fn reopen(&mut self, motion: &mut ProvedMotion, goal: f64) {
         let mut kept = Vec::new();
         // The lowest bound first.
-        self.settled
-            .sort_by(|(_, p), (_, q)| q.lowest.total_cmp(&p.lowest));
+        sort_by(&mut self.settled, |(_, p), (_, q)| {
+            q.lowest.total_cmp(&p.lowest)
+        });
         for (piece, look) in self.settled.drain(..) {
             let is_low = look.falls_short_of(goal) && look.lowest > f64::NEG_INFINITY;
             if !is_low || self.looks + self.open.len() >= MAX_LOOKS {

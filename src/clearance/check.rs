@@ -18,6 +18,7 @@ use crate::limits::Deadline;
 use crate::model::actuation::Actuation;
 use crate::model::clearance::{ClearanceRules, Ignored};
 use crate::model::mechanism::Mechanism;
+use crate::sorting::{sort_by, sort_by_key};
 use std::collections::{HashMap, HashSet};
 
 /// The effort of a check.
@@ -250,12 +251,12 @@ fn sort_report(report: &mut ClearanceReport) {
         _ => 3,
     };
     let spare = |p: &PairReport| p.least.distance - p.minimum;
-    report
-        .judged
-        .sort_by(|p, q| rank(p).cmp(&rank(q)).then(spare(p).total_cmp(&spare(q))));
-    report
-        .excluded
-        .sort_by_key(|p| !matches!(p.judgement, Judgement::Ignored(_)));
+    sort_by(&mut report.judged, |p, q| {
+        rank(p).cmp(&rank(q)).then(spare(p).total_cmp(&spare(q)))
+    });
+    sort_by_key(&mut report.excluded, |p| {
+        !matches!(p.judgement, Judgement::Ignored(_))
+    });
 }
 
 /// Selects the pairs that are examined one by one, and classifies the others.

@@ -11,6 +11,7 @@ use crate::kinematics::results::trajectory::{Ending, Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::printed::InputReading;
+use crate::sorting::{sort_by, sort_by_number};
 
 /// Most rounds: each is nearer by [`HALVINGS`].
 const ROUNDS: usize = 6;
@@ -59,7 +60,7 @@ pub fn unproved(motion: &ProvedMotion) -> Vec<[f64; 2]> {
     let estimated = stretches.filter(|stretch| !stretch.is_certified);
     let estimated = estimated.map(|MotionStretch { start, end, .. }| [*start, *end]);
     let mut all: Vec<[f64; 2]> = estimated.chain(motion.gaps.iter().copied()).collect();
-    all.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    sort_by_number(&mut all, |a| a[0]);
     let mut merged: Vec<[f64; 2]> = Vec::new();
     for interval in all {
         match merged.last_mut() {
@@ -229,7 +230,7 @@ fn shortest(motion: &ProvedMotion) -> f64 {
 fn joined(times: &[f64], added: impl Iterator<Item = f64>, shortest: f64) -> Vec<f64> {
     let mut all: Vec<(f64, bool)> = times.iter().map(|time| (*time, true)).collect();
     all.extend(added.map(|time| (time, false)));
-    all.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    sort_by(&mut all, |(a, _), (b, _)| a.total_cmp(b));
     all.dedup_by(|(b, is_asked), (a, was_asked)| {
         let is_near = *b - *a < 0.1 * shortest && !(*is_asked && *was_asked);
         if is_near && *is_asked {

@@ -1,6 +1,7 @@
 //! Finds the pairs of near boxes among many: they are sorted along an axis, and each is compared with those that it may
 //! still meet there (sweep and prune: Cohen, Lin, Manocha and Ponamgi, I-COLLIDE, 1995).
 
+use crate::sorting::sort_by_number;
 use glam::DVec3;
 
 /// A box along the axes of the world.
@@ -43,7 +44,7 @@ impl AxisBox {
 pub fn near_boxes(boxes: &[AxisBox], apart: f64, mut meet: impl FnMut([usize; 2]) -> bool) {
     let axis = widest_axis(boxes);
     let mut order: Vec<usize> = (0..boxes.len()).collect();
-    order.sort_by(|a, b| boxes[*a].low[axis].total_cmp(&boxes[*b].low[axis]));
+    sort_by_number(&mut order, |a| boxes[*a].low[axis]);
     let mut open: Vec<usize> = Vec::new();
     for k in order {
         let here = &boxes[k];

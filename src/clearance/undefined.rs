@@ -2,6 +2,7 @@
 
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
+use crate::sorting::sort_by_number;
 
 /// Even parts of an interval at whose ends a value is asked for, ...
 const PARTS: u32 = 64;
@@ -40,7 +41,7 @@ pub(super) fn gaps(
         at = on;
     }
     // The union of both: gaps that overlap become one.
-    found.sort_by(|p, q| p[0].total_cmp(&q[0]));
+    sort_by_number(&mut found, |p| p[0]);
     let mut apart: Vec<[f64; 2]> = Vec::new();
     for [off, on] in found {
         match apart.last_mut() {

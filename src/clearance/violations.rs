@@ -9,6 +9,7 @@ use super::look::{LookGoal, Missed, Segment};
 use super::motion::ProvedMotion;
 use super::sweep::PairSweep;
 use crate::distance::bodies::{enclosed_shell, nearest_bodies};
+use crate::sorting::{sort_by, sort_by_number};
 use std::collections::VecDeque;
 
 /// Maximum number of intervals examined for one pair, ...
@@ -81,7 +82,7 @@ impl PairSweep<'_> {
         let goal = self.enough() + self.pose_slack();
         let mut found = self.low_pieces(motion, goal, most_looks);
         found.extend(self.low_samples(motion, goal));
-        found.sort_by(|p, q| p.violation.from.total_cmp(&q.violation.from));
+        sort_by_number(&mut found, |p| p.violation.from);
         // Between two places where a mesh is met a body may be in it, and far from its surface.
         let is_solid = !self.hulls.iter().any(|hull| hull.has_mesh());
         let mut list: Vec<Low> = Vec::new();
@@ -198,7 +199,7 @@ impl PairSweep<'_> {
         let mut instants: Vec<usize> = samples
             .filter(|k| within.contains(&motion.instants[*k].time))
             .collect();
-        low.pieces.sort_by(|(p, _), (q, _)| p.total_cmp(q));
+        sort_by(&mut low.pieces, |(p, _), (q, _)| p.total_cmp(q));
         low.pieces.truncate(FEW);
         for (_, piece) in &low.pieces {
             instants.extend(motion.pose_at(piece.stretch, piece.middle));

@@ -2,6 +2,7 @@
 
 use super::names::{MOST_LISTED, name_hint, nearest_name};
 use super::shown::{MOST_SAID, cut_text};
+use crate::sorting::sort_by_key;
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
@@ -151,7 +152,9 @@ impl Diagnostics {
     /// All of them, ordered by position, those without a position last.
     pub fn sorted(&self) -> Vec<&Diagnostic> {
         let mut all: Vec<_> = self.items.iter().collect();
-        all.sort_by_key(|d| d.span.as_ref().map_or(usize::MAX, |s| s.start));
+        sort_by_key(&mut all, |d| {
+            d.span.as_ref().map_or(usize::MAX, |s| s.start)
+        });
         all
     }
 

@@ -10,6 +10,7 @@ use super::symbols::{convex_hull, half_length};
 use crate::model::joints::JointKind;
 use crate::plot::primitive::DrawnPrimitive;
 use crate::plot::theme::{Colour, Dashes};
+use crate::sorting::sort_by_key;
 use glam::DVec3;
 
 /// Width of a link's line.
@@ -27,7 +28,7 @@ pub fn sign_places(scheme: &Scheme, plane: &DrawingPlane, unit_length: f64) -> V
     let mut spots: Vec<DrawnSpot> = joints.iter().map(|j| plane.spot(j.at)).collect();
     // Those on the frame move first, and those that have a point do not.
     let mut order: Vec<usize> = (0..joints.len()).collect();
-    order.sort_by_key(|k| (!joints[*k].links.contains(&0), *k));
+    sort_by_key(&mut order, |k| (!joints[*k].links.contains(&0), *k));
     for k in order {
         let near = |other: usize, spots: &[DrawnSpot]| {
             other != k && spot_length(spot_difference(spots[other], spots[k])) < APART * unit_length

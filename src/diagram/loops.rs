@@ -5,6 +5,7 @@ use super::lettering::QuantityLettering;
 use super::plane::{DrawingPlane, DrawnSpot, spot_ahead, spot_difference, spot_length};
 use super::scheme::SchemeLink;
 use crate::math::sin_cos;
+use crate::sorting::sort_by_key;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -134,7 +135,7 @@ pub fn draw_frames(
 ) {
     let mut arrows: Vec<TriadArrow> = Vec::new();
     let mut ordered: Vec<&SchemeLink> = links.iter().filter(|link| link.is_shown).collect();
-    ordered.sort_by_key(|link| link.number);
+    sort_by_key(&mut ordered, |link| link.number);
     for link in ordered {
         let origin = plane.spot(link.frame.translation);
         for axis in 0..3 {

@@ -18,6 +18,7 @@ use crate::plot::Drawing;
 use crate::plot::layout::{Ruler, Sizes};
 use crate::plot::primitive::{DrawnPrimitive, Rect, TextAnchor};
 use crate::plot::theme::{ChartTheme, Colour};
+use crate::sorting::sort_by_number;
 use crate::staging::quantity_names::written_names;
 use glam::DMat3;
 
@@ -313,7 +314,7 @@ fn draw_quantities(
     };
     // Short ones next to what they measure, longer ones farther out.
     let mut lengths: Vec<&SchemeLength> = scheme.lengths.iter().collect();
-    lengths.sort_by(|a, b| a.from.distance(a.to).total_cmp(&b.from.distance(b.to)));
+    sort_by_number(&mut lengths, |a| a.from.distance(a.to));
     for length in lengths {
         let as_vector = shown.vectors && length.in_loop;
         let drawn = match as_vector {

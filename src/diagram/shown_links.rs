@@ -3,6 +3,7 @@
 use crate::model::bar_ends::BarEnds;
 use crate::model::joints::Joints;
 use crate::model::mechanism::Mechanism;
+use crate::sorting::sort_by_key;
 
 /// Whether a body is carried by joints only.
 pub(super) fn rides_on_joints(joints: &Joints, ends: &BarEnds, body: usize) -> bool {
@@ -45,7 +46,9 @@ pub(super) fn link_numbers(joints: &Joints, shown: &[bool], bars: usize) -> Vec<
             .copied()
             .unwrap_or(usize::MAX)
     };
-    order.sort_by_key(|link| (*link != 0, !shown[*link], first(*link), *link));
+    sort_by_key(&mut order, |link| {
+        (*link != 0, !shown[*link], first(*link), *link)
+    });
     let mut numbers = vec![0; order.len()];
     order
         .iter()

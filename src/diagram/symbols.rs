@@ -8,6 +8,7 @@ use super::plane::{
 use super::scheme::SchemeJoint;
 use crate::model::joints::JointKind;
 use crate::plot::theme::Dashes;
+use crate::sorting::sort_by;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -205,7 +206,9 @@ fn draw_ball(at: DrawnSpot, away: DrawnSpot, ink: &mut Ink) {
 /// The convex hull of points, in order (monotone chain).
 pub fn convex_hull(points: &[DrawnSpot]) -> Vec<DrawnSpot> {
     let mut sorted = points.to_vec();
-    sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    sort_by(&mut sorted, |a, b| {
+        a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
+    });
     let half = |list: &mut dyn Iterator<Item = &DrawnSpot>| {
         let mut chain: Vec<DrawnSpot> = Vec::new();
         for p in list {

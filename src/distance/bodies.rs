@@ -7,6 +7,7 @@ use super::point::point_to;
 use super::primitive::{Element, Primitive, shape_elements};
 use crate::math::Pose;
 use crate::model::mechanism::Body;
+use crate::sorting::sort_by_number;
 use glam::DVec3;
 use std::collections::BTreeSet;
 
@@ -167,7 +168,7 @@ pub fn nearest_bodies(
                 .map(|(j, second)| (sphere_separation(first, second, f64::INFINITY), i, j)),
         );
     }
-    pairs.sort_by(|p, q| p.0.total_cmp(&q.0));
+    sort_by_number(&mut pairs, |p| p.0);
     let mut best: Option<BodyProximity> = None;
     for (lowest, i, j) in pairs {
         // No later pair can be nearer.

@@ -11,6 +11,7 @@ use super::primitive_pair::CorePair;
 use super::search::{CurveSpot, least_convex, least_near, least_on_circle};
 use super::triangles;
 use crate::math::sin_cos;
+use crate::sorting::sort_by_number;
 use glam::DVec3;
 
 /// The nearest points of two cores, neither of which is a mesh.
@@ -324,7 +325,7 @@ fn edges_of_second(a: &Primitive, b: &Primitive, far: &[f64; 8], best: &mut Core
     }
     if let Primitive::Frustum(frustum) = b {
         let mut rims = frustum.rims().map(|rim| (lowest_of_disc(a, &rim), rim));
-        rims.sort_by(|p, q| p.0.total_cmp(&q.0));
+        sort_by_number(&mut rims, |p| p.0);
         for (lowest, rim) in rims {
             if lowest < least {
                 let (is_done, nearest) = is_best(of_circle(a, &rim));
@@ -362,7 +363,7 @@ fn rims_and_spines(pair: [(&Primitive, &Frustum); 2], best: &mut CorePair) {
         (a, of_b[1], false),
     ]
     .map(|(other, rim, is_first)| (lowest_of_disc(other, &rim), other, rim, is_first));
-    rims.sort_by(|p, q| p.0.total_cmp(&q.0));
+    sort_by_number(&mut rims, |p| p.0);
     for (lowest, other, rim, is_first) in rims {
         if lowest < best.distance {
             let found = of_circle(other, &rim);

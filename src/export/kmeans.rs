@@ -1,6 +1,7 @@
 //! Weighted clustering of a few thousand colours. Deterministic: fixed order, no random start.
 
 use super::nearest_colour::PalettePoints;
+use crate::sorting::{sort_by, sort_by_key};
 
 /// A colour in the space of the metric, with the number of pixels it stands for.
 #[derive(Clone, Copy, Debug)]
@@ -58,7 +59,7 @@ fn split_boxes(points: &[ColourPoint], clusters: usize) -> Vec<[f32; 3]> {
         };
         let cut = part.mean[part.axis];
         // A stable order by side keeps the result independent of the sort's internals.
-        slice.sort_by_key(|&i| f64::from(points[i].at[part.axis]) > cut);
+        sort_by_key(slice, |&i| f64::from(points[i].at[part.axis]) > cut);
         let low = slice.partition_point(|&i| f64::from(points[i].at[part.axis]) <= cut);
         if low == 0 || low == slice.len() {
             parts.push(BoxPart { error: 0.0, ..part });
@@ -153,7 +154,7 @@ fn move_idle(
         return;
     }
     let mut worst: Vec<usize> = (0..centres.len()).collect();
-    worst.sort_by(|&a, &b| errors[b].1.total_cmp(&errors[a].1));
+    sort_by(&mut worst, |&a, &b| errors[b].1.total_cmp(&errors[a].1));
     for (&target, &source) in idle.iter().zip(&worst) {
         let cost = |i: usize| points[i].weight * squared_distance(points[i].at, centres[source]);
         let members = (0..points.len()).filter(|&i| usize::from(owners[i]) == source);

@@ -1,6 +1,7 @@
 //! Single frames drawn by all workers, before a film is written: for its palette and its colours.
 
 use super::error::PipelineError;
+use crate::sorting::sort_by_key;
 use image::RgbaImage;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -28,7 +29,7 @@ where
     };
     look_at(workers, indices, size, cancel, &take)?;
     let mut drawn = drawn.into_inner().unwrap_or_else(PoisonError::into_inner);
-    drawn.sort_by_key(|d| d.0);
+    sort_by_key(&mut drawn, |d| d.0);
     let frames = drawn.into_iter();
     Ok(frames
         .map(|(place, image)| (indices[place], image))

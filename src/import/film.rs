@@ -5,6 +5,7 @@ use super::order::natural_order;
 use super::picture::{ImportError, decoder_limits, open_head};
 use super::rows::FramePicture;
 use crate::limits::{Resource, allow_memory, current_limits};
+use crate::sorting::sort_by;
 use image::codecs::gif::GifDecoder;
 use image::{AnimationDecoder, Frames, ImageDecoder, Limits};
 use std::fs::File;
@@ -207,7 +208,7 @@ pub fn png_files(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
             files.push(path);
         }
     }
-    files.sort_by(|a, b| natural_order(a, b));
+    sort_by(&mut files, |a, b| natural_order(a, b));
     Ok(files)
 }
 

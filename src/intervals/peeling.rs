@@ -5,6 +5,7 @@
 //! and points). The assignment of bars to points is a choice: every such sequence of dyads has the same velocities.
 
 use super::dyad::Dyad;
+use crate::sorting::sort_by_key;
 
 /// A chain as a sequence of dyads.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -144,7 +145,9 @@ fn kept_bars(
     let is_open = |bar: &usize| owner[*bar].is_none() && bars[*bar].contains(&point);
     let mut kept: Vec<usize> = (0..bars.len()).filter(is_open).collect();
     // Those of the highest other ends are left first.
-    kept.sort_by_key(|bar| std::cmp::Reverse(other_end(bars[*bar], point)));
+    sort_by_key(&mut kept, |bar| {
+        std::cmp::Reverse(other_end(bars[*bar], point))
+    });
     let (mut left, mut next) = (Vec::new(), 0);
     let mut given = owner.to_vec();
     let mut rooms = room.to_vec();
@@ -218,7 +221,7 @@ fn order_ends(dyads: &mut [Dyad], levers: &[[usize; 2]], fixed: &[usize]) {
             let is_fixed = fixed.contains(&end);
             (Some(end) != before, is_fixed, std::cmp::Reverse(end))
         };
-        dyad.ends.sort_by_key(|end| rank(*end));
+        sort_by_key(&mut dyad.ends, |end| rank(*end));
         before = Some(dyad.point);
     }
 }

@@ -1,5 +1,6 @@
 //! Singular values: how far a pose is from a singular one, and which coordinates are free.
 
+use crate::sorting::sort_by;
 use nalgebra::{DMatrix, SVD};
 
 /// Below this ratio to the largest singular value a direction counts as lost. The pose then has lost about ten
@@ -119,7 +120,9 @@ pub fn null_space(jacobian: &[f64], rows: usize, columns: usize, rank: usize) ->
         return all();
     };
     let mut by_size: Vec<usize> = (0..columns).collect();
-    by_size.sort_by(|a, b| svd.singular_values[*b].total_cmp(&svd.singular_values[*a]));
+    sort_by(&mut by_size, |a, b| {
+        svd.singular_values[*b].total_cmp(&svd.singular_values[*a])
+    });
     let vector = |k: &usize| v_t.row(*k).iter().copied().collect();
     by_size[rank.min(columns)..].iter().map(vector).collect()
 }

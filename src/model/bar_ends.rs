@@ -4,6 +4,7 @@ use super::chain::{ArgumentValue, Chain, ChainJoint, ChainStep, ElementaryMotion
 use super::joints::Joint;
 use super::mechanism::{BarEnd, Mechanism};
 use crate::math::{Pose, sin_cos};
+use crate::sorting::sort_by_key;
 use glam::DVec3;
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
@@ -178,7 +179,9 @@ impl<'m> BarEnds<'m> {
         let is_free = |end: &&BarEnd| self.guide_of(end).is_none() && self.link_of(end).is_none();
         let mut free: Vec<&BarEnd> = self.bars().flatten().filter(is_free).collect();
         // Those that turn first: the centre of a rotation is one of their points.
-        free.sort_by_key(|end| std::cmp::Reverse(end.carrier.arguments().len()));
+        sort_by_key(&mut free, |end| {
+            std::cmp::Reverse(end.carrier.arguments().len())
+        });
         for end in free {
             let place = end.carrier.pose(&arguments).translation;
             match bodies

@@ -16,6 +16,7 @@ use crate::model::mechanism::Mechanism;
 use crate::render::{Camera, RenderError};
 use crate::report::event_sentences::{event_sentence, gap_sentence};
 use crate::report::verdict::{CLEARANCE, Case, Status, Verdict};
+use crate::sorting::sort_by_number;
 use serde_json::{Value, json};
 
 /// Most rows of a table on a page.
@@ -244,7 +245,7 @@ fn motion_section(checked: &CheckedMotion, shown: &Trajectory) -> Section {
             .map_or(0.0, |at| at.time);
         (time, row(time, gap_sentence(mechanism, gap)))
     }));
-    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_number(&mut rows, |a| a.0);
     let more = rows.len().saturating_sub(MOST_ROWS);
     table.rows = rows
         .into_iter()

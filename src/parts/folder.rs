@@ -5,6 +5,7 @@ use super::part::{PartFile, is_whole, part_name};
 use super::plan::StudyPlan;
 use super::stored::read_text;
 use crate::export::PendingFile;
+use crate::sorting::sort_by;
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -144,7 +145,9 @@ impl Folder {
                 Err(error) => faults.push(error.to_string()),
             }
         }
-        parts.sort_by(|a, b| (a.items.start, &a.path).cmp(&(b.items.start, &b.path)));
+        sort_by(&mut parts, |a, b| {
+            (a.items.start, &a.path).cmp(&(b.items.start, &b.path))
+        });
         faults.sort_unstable();
         Ok((parts, faults))
     }

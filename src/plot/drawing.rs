@@ -7,6 +7,7 @@ use super::frame::{AxesFrame, left_room};
 use super::layout::{ChartLayout, Ruler, Sizes};
 use super::primitive::{DrawnPrimitive, LineStyle, Rect, TextAnchor};
 use super::theme::{ChartTheme, Dashes};
+use crate::sorting::sort_by_number;
 
 /// Largest distance of a hatching's lines from each other, in heights of the capitals.
 const HATCH: f64 = 1.4;
@@ -139,7 +140,7 @@ fn panel_words(panel: &Panel, width: f64, ruler: &Ruler, sizes: &Sizes) -> Vec<(
         .iter()
         .map(|e| (e.x, e.label.clone()))
         .collect();
-    events.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_number(&mut events, |a| a.0);
     words.extend(events);
     words.dedup_by(|a, b| a.0 == b.0 && a.1 == b.1);
     words

@@ -8,6 +8,7 @@ pub mod bars;
 pub mod chart;
 pub mod colour_bar;
 pub mod companion;
+mod coverage;
 mod curves;
 pub mod drawing;
 mod frame;

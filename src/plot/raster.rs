@@ -1,14 +1,13 @@
 //! A drawing as pixels. The same drawing gives the same bytes everywhere.
 
+use super::coverage::Coverage;
 use super::drawing::Drawing;
-use super::primitive::{DrawnPrimitive, LineStyle, Rect, TextAnchor};
+use super::primitive::{DrawnPrimitive, LineStyle, TextAnchor};
 use super::theme::Colour;
+use crate::math::sin_cos;
 use crate::render::text::{FontFace, set_text};
 use image::RgbaImage;
-use tiny_skia::{
-    Color, FillRule, LineCap, LineJoin, Paint, PathBuilder, PixmapMut, Shader, StrokeDash,
-    Transform,
-};
+use std::f64::consts::{PI, TAU};
 
 /// Draws on RGBA pixels; caches glyphs.
 #[derive(Default)]
@@ -94,23 +93,14 @@ fn blend_pixel(image: &mut RgbaImage, [x, y]: [i64; 2], colour: Colour, cover: u
 }
 
 fn paint_shape(shape: &DrawnPrimitive, image: &mut RgbaImage) {
-    let (width, height) = image.dimensions();
-    let Some(mut pixels) = PixmapMut::from_bytes(image, width, height) else {
-        return;
-    };
+    let size = [image.width(), image.height()];
     match shape {
         DrawnPrimitive::Area { rect, fill } => {
-            if let Some(rect) = skia_rect(rect) {
-                pixels.fill_rect(rect, &solid_paint(*fill), Transform::identity(), None);
-            }
+            paint(&Coverage::of_rect(rect, size), *fill, image);
         }
-        DrawnPrimitive::Line { points, stroke, .. } => {
-            stroke_outline(joined_path(points), *stroke, &mut pixels);
-        }
+        DrawnPrimitive::Line { points, stroke, .. } => paint_line(points, *stroke, image),
         DrawnPrimitive::Region { points, fill } => {
-            let mut path = joined_path(points);
-            path.close();
-            fill_outline(path, *fill, &mut pixels);
+            paint(&Coverage::of_polygon(points, size), *fill, image);
         }
         DrawnPrimitive::Circle {
             centre,
@@ -118,73 +108,86 @@ fn paint_shape(shape: &DrawnPrimitive, image: &mut RgbaImage) {
             fill,
             stroke,
         } => {
-            let circle = || {
-                let mut path = PathBuilder::new();
-                path.push_circle(centre[0] as f32, centre[1] as f32, *radius as f32);
-                path
-            };
-            fill_outline(circle(), *fill, &mut pixels);
-            stroke_outline(circle(), *stroke, &mut pixels);
+            paint(&Coverage::of_disc(*centre, *radius, size), *fill, image);
+            paint_line(&circle(*centre, *radius), *stroke, image);
         }
         DrawnPrimitive::Text { .. } => {}
     }
 }
 
-fn joined_path(points: &[[f64; 2]]) -> PathBuilder {
-    let mut path = PathBuilder::new();
-    for (k, [x, y]) in points.iter().enumerate() {
-        match k {
-            0 => path.move_to(*x as f32, *y as f32),
-            _ => path.line_to(*x as f32, *y as f32),
+fn paint_line(points: &[[f64; 2]], look: LineStyle, image: &mut RgbaImage) {
+    let size = [image.width(), image.height()];
+    match look.dashes.lengths(look.width) {
+        None => paint(
+            &Coverage::of_line(points, look.width, false, size),
+            look.colour,
+            image,
+        ),
+        Some(lengths) => {
+            for dash in dashes_of(points, lengths) {
+                paint(
+                    &Coverage::of_line(&dash, look.width, true, size),
+                    look.colour,
+                    image,
+                );
+            }
         }
     }
-    path
 }
 
-fn fill_outline(path: PathBuilder, fill: Colour, pixels: &mut PixmapMut) {
-    let Some(path) = path.finish() else { return };
-    pixels.fill_path(
-        &path,
-        &solid_paint(fill),
-        FillRule::Winding,
-        Transform::identity(),
-        None,
-    );
-}
-
-fn stroke_outline(path: PathBuilder, stroke: LineStyle, pixels: &mut PixmapMut) {
-    let Some(path) = path.finish() else { return };
-    let lengths = stroke.dashes.lengths(stroke.width);
-    let dash = lengths.and_then(|l| StrokeDash::new(l.map(|v| v as f32).to_vec(), 0.0));
-    let look = tiny_skia::Stroke {
-        width: stroke.width as f32,
-        line_cap: if dash.is_some() {
-            LineCap::Butt
-        } else {
-            LineCap::Round
-        },
-        line_join: LineJoin::Round,
-        dash,
-        ..tiny_skia::Stroke::default()
-    };
-    pixels.stroke_path(
-        &path,
-        &solid_paint(stroke.colour),
-        &look,
-        Transform::identity(),
-        None,
-    );
-}
-
-fn solid_paint([r, g, b, a]: Colour) -> Paint<'static> {
-    Paint {
-        shader: Shader::SolidColor(Color::from_rgba8(r, g, b, a)),
-        anti_alias: true,
-        ..Paint::default()
+fn paint(coverage: &Coverage, colour: Colour, image: &mut RgbaImage) {
+    for ([x, y], share) in coverage.pixels() {
+        let place = [i64::from(x), i64::from(y)];
+        blend_pixel(image, place, colour, (255.0 * share).round() as u8);
     }
 }
 
-fn skia_rect(rect: &Rect) -> Option<tiny_skia::Rect> {
-    let [l, t, r, b] = [rect.left, rect.top, rect.right, rect.bottom].map(|v| v as f32);
-    tiny_skia::Rect::from_ltrb(l, t, r, b)
+/// The largest distance in pixels between a circle and the polygon that is drawn for it.
+const ROUNDNESS: f64 = 0.02;
+
+/// A closed polygon for a circle.
+fn circle([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
+    // The middle of a chord is radius (1 - cos a) inside, where a is half its angle: about radius a² / 2.
+    let half_angle = (2.0 * ROUNDNESS / radius.max(ROUNDNESS)).sqrt();
+    let count = (PI / half_angle).ceil();
+    (0..=count as usize)
+        .map(|k| {
+            let (sin, cos) = sin_cos(TAU * k as f64 / count);
+            [x + radius * cos, y + radius * sin]
+        })
+        .collect()
+}
+
+/// No picture shows so many dashes of a piece of a line; such a piece is drawn whole.
+const MOST_DASHES: f64 = 1e5;
+
+/// The dashes of a line, the first at its begin.
+fn dashes_of(points: &[[f64; 2]], [dash, gap]: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
+    let mut dashes = Vec::new();
+    let (mut open, mut left) = (points.first().map(|p| vec![*p]), dash);
+    for ends in points.windows(2) {
+        let [from, to] = [ends[0], ends[1]];
+        let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+        let whole = (dx * dx + dy * dy).sqrt();
+        let mut done = 0.0;
+        let is_shown = whole <= MOST_DASHES * (dash + gap);
+        while is_shown && whole - done > left {
+            done += left;
+            let at = [from[0] + dx * done / whole, from[1] + dy * done / whole];
+            (open, left) = match open {
+                Some(mut corners) => {
+                    corners.push(at);
+                    dashes.push(corners);
+                    (None, gap)
+                }
+                None => (Some(vec![at]), dash),
+            };
+        }
+        left -= whole - done;
+        if let Some(corners) = &mut open {
+            corners.push(to);
+        }
+    }
+    dashes.extend(open);
+    dashes
 }

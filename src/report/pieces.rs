@@ -9,6 +9,7 @@ use crate::clearance::part::{Missing, PieceClearance, PieceRefusal, PieceReport}
 use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 use crate::model::printed::shortest_decimal;
+use crate::sorting::sort_by;
 use serde_json::{Value, json};
 
 /// The rule: a pair passes if and only if its bound reaches the minimum.
@@ -112,7 +113,7 @@ pub fn piece_table(mechanism: &Mechanism, report: &PieceReport, worst: usize) ->
     }
     // The worst verdicts first, and of like ones the smallest margins.
     let mut list: Vec<&PieceClearance> = report.list.iter().collect();
-    list.sort_by(|p, q| {
+    sort_by(&mut list, |p, q| {
         let order = piece_status(q).cmp(&piece_status(p));
         order.then((p.bound - p.minimum).total_cmp(&(q.bound - q.minimum)))
     });

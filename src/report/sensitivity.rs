@@ -3,6 +3,7 @@
 use super::cells::{aligned_rows, six_digits};
 use super::csv::{TableCell, push_header, push_row};
 use crate::analysis::study::{DRIVE_SAMPLES, NominalStudy, ParametricMechanism};
+use crate::sorting::sort_by;
 use serde_json::{Map, Value, json};
 
 /// Version of the JSON document.
@@ -185,6 +186,6 @@ impl<'a> SensitivityTable<'a> {
 /// Variables by falling magnitude of their derivative.
 fn row_ranking(row: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..row.len()).collect();
-    order.sort_by(|a, b| row[*b].abs().total_cmp(&row[*a].abs()));
+    sort_by(&mut order, |a, b| row[*b].abs().total_cmp(&row[*a].abs()));
     order
 }

@@ -4,6 +4,7 @@ use super::file;
 use super::reader::NamedFormula;
 use super::source::SourceError;
 use crate::diag::{Diagnostics, Source};
+use crate::sorting::sort_by_key;
 
 /// Header of the section of start values.
 const GUESS: &str = "[guess]";
@@ -57,7 +58,7 @@ fn edited_text(
             None => return None,
         }
     }
-    edits.sort_by_key(|(span, _)| std::cmp::Reverse(span.start));
+    sort_by_key(&mut edits, |(span, _)| std::cmp::Reverse(span.start));
     let mut text = source.text.clone();
     for (span, value) in edits {
         text.replace_range(span, &value);

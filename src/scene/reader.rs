@@ -3,6 +3,7 @@
 use super::keys::Keys;
 use super::values::{FormulaText, formula_of, formulas_of, kind_of, parse_colour};
 use crate::diag::{Diagnostic, Diagnostics, Span, name_hint, shown_lines, shown_text};
+use crate::sorting::sort_by_key;
 use toml::de::{DeTable, DeValue};
 
 /// A value and its position in the file.
@@ -247,7 +248,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
                 )
             })
             .collect();
-        entries.sort_by_key(|(k, _, _)| k.span.start);
+        sort_by_key(&mut entries, |(k, _, _)| k.span.start);
         entries
     }
 
@@ -429,7 +430,7 @@ fn undotted_entries((name, value, span): TableEntry) -> Vec<TableEntry> {
         })
         .flat_map(undotted_entries)
         .collect();
-    inner.sort_by_key(|(key, _, _)| key.span.start);
+    sort_by_key(&mut inner, |(key, _, _)| key.span.start);
     inner
 }
 

@@ -9,6 +9,7 @@ use crate::model::view::{NamedView, View, ViewProjection};
 use crate::render::camera::{NEAR_SHARE, ViewDirection, fit_within};
 use crate::render::{Camera, Projection};
 use crate::scene::Scene;
+use crate::sorting::sort_by_number;
 use glam::DVec3;
 use std::borrow::Cow;
 
@@ -55,7 +56,7 @@ fn flat_axis(points: &[DVec3]) -> Option<usize> {
     let [low, high] = bounds::box_of(points)?;
     let extents = (high - low).to_array();
     let mut order = [0, 1, 2];
-    order.sort_by(|i, j| extents[*i].total_cmp(&extents[*j]));
+    sort_by_number(&mut order, |i| extents[*i]);
     let [least, middle, most] = order.map(|axis| extents[axis]);
     (least <= FLAT * most && middle > FLAT * most).then_some(order[0])
 }

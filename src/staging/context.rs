@@ -7,6 +7,7 @@ use super::value_text::VALUE_SIZE;
 use crate::model::theme::Theme;
 use crate::numbers::decimal::significant;
 use crate::render::{Camera, Frame, Ground, Label, LabelAnchor, OverlayStroke};
+use crate::sorting::sort_by_number;
 use glam::DVec3;
 
 /// Approximate length of a scale bar relative to the picture's shorter side; it is rounded.
@@ -149,7 +150,7 @@ impl ContextSigns {
             .map(|k| (k, from_world.transform_vector(DVec3::AXES[k])))
             .collect();
         // Axes that point away are drawn first.
-        axes.sort_by(|a, b| a.1.z.total_cmp(&b.1.z));
+        sort_by_number(&mut axes, |a| a.1.z);
         for (k, axis) in axes {
             let on_screen = [axis.x, -axis.y];
             let length = axis.truncate().length();

@@ -9,6 +9,7 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::bar_ends::BarEnds;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
+use crate::sorting::sort_by_number;
 use glam::DVec3;
 
 /// Positions nearer together than this fraction of a rod's radius count as one.
@@ -87,12 +88,12 @@ fn in_order(places: &[DVec3]) -> (Vec<DVec3>, bool) {
         .max_by(|a, b| a.length().total_cmp(&b.length()))
         .unwrap_or_default();
     if normal.length() <= FLAT * along.length_squared() {
-        places.sort_by(|a, b| a.dot(along).total_cmp(&b.dot(along)));
+        sort_by_number(&mut places, |a| a.dot(along));
         return (places, false);
     }
     let (first, second) = (along.normalize(), normal.cross(along).normalize());
     let angle = |p: &DVec3| libm::atan2((*p - middle).dot(second), (*p - middle).dot(first));
-    places.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+    sort_by_number(&mut places, |a| angle(a));
     (places, true)
 }
 

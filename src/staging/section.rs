@@ -13,6 +13,7 @@ use crate::model::section::Section;
 use crate::model::view::{UpAxis, View};
 use crate::render::edges::FIRST_CUT;
 use crate::render::{Instance, StageMesh};
+use crate::sorting::sort_by_number;
 use glam::{DMat3, DVec2, DVec3};
 use std::collections::HashMap;
 
@@ -165,7 +166,7 @@ impl SectionCut {
             });
         }
         // What comes first is in front where faces overlap.
-        faces.sort_by(|a, b| self.volumes[a.body].total_cmp(&self.volumes[b.body]));
+        sort_by_number(&mut faces, |a| self.volumes[a.body]);
         let faces = faces.iter().flat_map(|face| self.draw_face(face, meshes));
         let mut all: Vec<Instance> = faces.collect();
         all.extend(kept);

@@ -2,6 +2,7 @@
 //! 1998): no derivatives, any dimension up to a dozen or so.
 
 use super::{Minimum, Objective, StopReason, VariableBounds};
+use crate::sorting::sort_by_number;
 
 const REFLECTION: f64 = 1.0;
 const EXPANSION: f64 = 2.0;
@@ -41,7 +42,7 @@ pub fn minimise_nelder_mead(
     // Making the first simplex is counted as an iteration, as others do.
     let mut iterations = 1;
     let ended = loop {
-        simplex.sort_by(|a, b| a.1.total_cmp(&b.1));
+        sort_by_number(&mut simplex, |a| a.1);
         if is_small(&simplex, limits) {
             break StopReason::Converged;
         }
@@ -57,7 +58,7 @@ pub fn minimise_nelder_mead(
             break StopReason::Stopped;
         }
     };
-    simplex.sort_by(|a, b| a.1.total_cmp(&b.1));
+    sort_by_number(&mut simplex, |a| a.1);
     let evaluations = search.evaluations;
     let (x, value) = simplex.swap_remove(0);
     Minimum {

@@ -3,6 +3,7 @@
 
 use super::found::FinishedStart;
 use super::starts::StartOrigin;
+use crate::sorting::sort_by_number;
 
 /// Number of basins that are remembered.
 const MOST: usize = 6;
@@ -28,7 +29,7 @@ impl Basins {
         let mut order: Vec<usize> = (0..starts.len())
             .filter(|k| starts[*k].value().is_finite())
             .collect();
-        order.sort_by(|a, b| starts[*a].value().total_cmp(&starts[*b].value()));
+        sort_by_number(&mut order, |a| starts[*a].value());
         let mut list: Vec<(usize, usize)> = Vec::new();
         // The basin of every start: the best one that it is equivalent to.
         let mut basin_of = vec![None; starts.len()];

@@ -7,6 +7,7 @@ use super::plan::FINER;
 use super::searches::{Phase, SynthesisRun};
 use super::starts::MovingStart;
 use crate::analysis::study::{Evaluator, ParametricMechanism};
+use crate::sorting::sort_by_number;
 use std::time::Instant;
 
 /// Number of basins whose best minimum is polished.
@@ -51,7 +52,7 @@ pub fn finish_polishing(
         .filter(|s| s.value().is_finite())
         .cloned()
         .collect();
-    order.sort_by(|a, b| a.value().total_cmp(&b.value()));
+    sort_by_number(&mut order, |a| a.value());
     order.truncate(FINALISTS);
     let kept = order.iter().find_map(|start| drawn_in(run, start, starts));
     kept.or_else(|| order.first().cloned())

@@ -11,6 +11,7 @@ use crate::import::film::png_files;
 use crate::import::{ImportError, PictureRows, natural_order, read_png};
 use crate::limits::allow_picture;
 use crate::render::BYTES_OF_DRAWN_PIXEL;
+use crate::sorting::sort_by;
 use image::{Rgba, RgbaImage};
 use std::path::{Path, PathBuf};
 
@@ -80,7 +81,7 @@ fn picture_paths(args: &EncodeArgs) -> Result<Vec<PathBuf>, Failure> {
         ));
     }
     if !args.no_sort {
-        paths.sort_by(|a, b| natural_order(a, b));
+        sort_by(&mut paths, |a, b| natural_order(a, b));
     }
     Ok(paths)
 }

@@ -379,6 +379,18 @@ fn frame_time(frames: &[f64], frame: usize) -> Result<f64, Failure> {
 fn kind_of_output(args: &RenderArgs) -> Result<Format, Failure> {
     let format = sinks::film_format(&args.file)?;
     let single = args.at.is_some() || args.frame.is_some();
+    let playing = [
+        (args.view.bounce, "--bounce"),
+        (args.view.pause.is_some(), "--pause"),
+    ];
+    if let Some((_, option)) = playing.iter().find(|(given, _)| *given)
+        && (single || format.is_still())
+    {
+        return Err(Failure::usage(
+            format!("{option} has no effect on a single picture"),
+            vec!["it applies to animations".to_owned()],
+        ));
+    }
     if format.is_still() && args.frames.is_some_and(|n| n > 1) && !single {
         let out = args.file.out.display();
         let (message, hint) = if format.is_model() {

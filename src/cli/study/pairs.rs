@@ -14,6 +14,7 @@ use crate::jobs::{core_count, share_watched};
 use crate::report::cells::{aligned_rows, six_digits};
 use crate::report::optimum::{SCHEMA, ending_word};
 use crate::report::sentences::counted_things;
+use crate::sorting::sort_by;
 use serde_json::{Value, json};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -86,7 +87,7 @@ pub fn run_pairs(
         Ok(found) => (!found.keeps_limits(), found.optimum.minimum.value),
         Err(_) => (true, f64::INFINITY),
     };
-    done.sort_by(|(i, a), (j, b)| {
+    sort_by(&mut done, |(i, a), (j, b)| {
         let ((missed, value), (other_missed, other)) = (rank(a), rank(b));
         let by_value = value.total_cmp(&other).then(i.cmp(j));
         missed.cmp(&other_missed).then(by_value)

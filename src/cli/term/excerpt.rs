@@ -2,6 +2,7 @@
 //! characters are spelt out.
 
 use crate::diag::{Diagnostic, Severity, Span, shorten_text, shown_char, shown_text};
+use crate::sorting::sort_by_key;
 use codespan_reporting::diagnostic::{Diagnostic as Excerpt, Label};
 use codespan_reporting::files::{Error, Files};
 use std::ops::Range;
@@ -42,7 +43,7 @@ impl<'s> ExcerptLines<'s> {
             s.start <= s.end && is_place(s.start) && is_place(s.end)
         };
         let mut places: Vec<_> = own.chain(related).filter(|(s, ..)| inside(s)).collect();
-        places.sort_by_key(|(span, ..)| span.start);
+        sort_by_key(&mut places, |(span, ..)| span.start);
         let mut shown = ExcerptLine::new(self.name.clone());
         let mut labels = Vec::new();
         let mut rest = &places[..];

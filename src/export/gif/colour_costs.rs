@@ -1,5 +1,6 @@
 //! The cost of showing one palette colour instead of another.
 
+use crate::sorting::sort_by_key;
 /// Number of colours considered instead of the nearest one, including itself.
 pub(super) const NEIGHBOURS: usize = 12;
 
@@ -169,7 +170,7 @@ impl Costs {
 fn colour_neighbours(colour: [i32; 3], colours: &[[i32; 3]; 256]) -> [(u8, i32); NEIGHBOURS] {
     let mut all: [(u8, i32); 256] =
         std::array::from_fn(|i| (i as u8, squared_distance(colour, colours[i])));
-    all.sort_by_key(|n| n.1);
+    sort_by_key(&mut all, |n| n.1);
     std::array::from_fn(|i| all[i])
 }
 

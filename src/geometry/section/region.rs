@@ -5,6 +5,7 @@
 //! round. This needs no order among the edges, and a sweep from below divides everything, whatever the edges cross. A
 //! triangulation of polygons with holes would need the union first.
 
+use crate::sorting::sort_by_number;
 use glam::DVec2;
 
 /// Most stripes across a region: more could not be seen, and would only fill the memory.
@@ -73,7 +74,7 @@ pub fn divide_region(border: &[[DVec2; 2]], strips: Option<Strips>) -> Vec<Trape
         is_usable.then_some(SweptEdge { low, high, turn })
     });
     let mut edges: Vec<SweptEdge> = edges.collect();
-    edges.sort_by(|a, b| a.low.y.total_cmp(&b.low.y));
+    sort_by_number(&mut edges, |edge| edge.low.y);
     let (first, last) = edges
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(first, last), edge| {
@@ -173,7 +174,7 @@ impl<'e> Sweep<'e> {
             self.active.push(self.next);
             self.next += 1;
         }
-        self.active.sort_by(|a, b| {
+        self.active.sort_unstable_by(|a, b| {
             let order = edges[*a].at(middle).total_cmp(&edges[*b].at(middle));
             order.then(a.cmp(b))
         });

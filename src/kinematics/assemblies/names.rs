@@ -11,6 +11,7 @@ use crate::kinematics::solve::random_starts::CLOSED;
 use crate::kinematics::solve::turns::WholeTurns;
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::{Kind, Mechanism};
+use crate::sorting::sort_by_key;
 use std::f64::consts::{PI, TAU};
 
 /// Coordinates that agree within this count as equal when modes are ordered and angles are wrapped.
@@ -275,6 +276,6 @@ fn order_modes(mechanism: &Mechanism, mut list: Vec<Mode>) -> Vec<Mode> {
             order.len() - 1
         });
     }
-    list.sort_by_key(|mode| mode.placement);
+    sort_by_key(&mut list, |mode| mode.placement);
     list
 }

@@ -12,6 +12,7 @@ use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::sparse_lu::{LEAST, SparseLu};
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
+use crate::sorting::sort_by;
 use std::collections::BTreeSet;
 
 /// Number of random poses at which equations are evaluated, so that nothing vanishes by accident.
@@ -209,7 +210,7 @@ impl<'a> Ranks<'a> {
             }
         }
         // The larger the smallest pivot, the farther from a loss of rank.
-        list.sort_by(|a, b| b.0.total_cmp(&a.0));
+        sort_by(&mut list, |a, b| b.0.total_cmp(&a.0));
         list.into_iter().map(|(_, pose)| pose).collect()
     }
 

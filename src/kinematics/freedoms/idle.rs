@@ -20,6 +20,7 @@ use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::svd::null_space;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::numbers::series::TaylorSeries;
+use crate::sorting::sort_by_key;
 
 /// Preference for an unknown that always rotates about the line itself over one that does so only at this pose.
 const IMPURE: f64 = 0.05;
@@ -38,7 +39,7 @@ pub fn find_idle(system: &System, closed: &Ranks) -> Result<Vec<HeldFreedom>, St
     for block in structure.blocks.iter().filter(|b| closed.lacks(b)) {
         list.extend(of_block(mechanism, block, closed)?);
     }
-    list.sort_by_key(|held| held.unknown);
+    sort_by_key(&mut list, |held| held.unknown);
     Ok(list)
 }
 

@@ -19,6 +19,7 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
 use crate::numbers::bracket::Bracket;
+use crate::sorting::sort_by_number;
 
 /// Fewest intervals over the motion that are searched: half a degree of a turn each.
 const INTERVALS: usize = 720;
@@ -57,7 +58,7 @@ pub fn add_limits(system: &System, actuation: &Actuation, trajectory: &mut Traje
         search.run(quantity);
     }
     trajectory.events.append(&mut search.events);
-    trajectory.events.sort_by(|a, b| a.time.total_cmp(&b.time));
+    sort_by_number(&mut trajectory.events, |a| a.time);
 }
 
 /// The samples' times and as many between them as necessary. The last sample of a cyclic drive is one before its end.

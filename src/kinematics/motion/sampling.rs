@@ -7,6 +7,7 @@ use crate::model::drive::Drive;
 use crate::model::measure::Measures;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::timed_argument::TimedArgument;
+use crate::sorting::sort_by;
 use std::f64::consts::TAU;
 
 /// Most samples in one run: ten thousand seconds at 100 frames a second.
@@ -180,7 +181,7 @@ pub fn knot_times(mechanism: &Mechanism, actuation: &Actuation, times: &[f64]) -
     let own = own.chain([0.0, last].map(|time| (time, KnotWeight::Pose)));
     let asked = times.iter().map(|time| (*time, KnotWeight::Sample));
     let mut all: Vec<(f64, KnotWeight)> = own.chain(asked).collect();
-    all.sort_by(|(p, _), (q, _)| p.total_cmp(q));
+    sort_by(&mut all, |(p, _), (q, _)| p.total_cmp(q));
     // Different pieces of a drive meet only at these times. Of those that are nearly one, a jump counts more than a kink, and that
     // more than a sample; two jumps are two, but for rounding.
     all.dedup_by(|(b, weight), (a, known)| {

@@ -6,6 +6,9 @@ use std::f64::consts::PI;
 /// Start values of lengths reach this many sizes to either side; a chain of a few links rarely spans more.
 const REACH: f64 = 2.0;
 
+/// Start values of numbers reach this many of their magnitudes.
+const FAR: f64 = 1e4;
+
 /// Largest closure error of an assembly that counts. Rounding leaves about 1e-15; a start that stopped beside a
 /// pose leaves far more.
 pub const CLOSED: f64 = 1e-12;
@@ -21,11 +24,23 @@ pub fn start_values(mechanism: &Mechanism, first: &[f64], start: usize) -> Vec<f
         match unknown.kind {
             Kind::Angle => PI * random,
             Kind::Length => REACH * mechanism.scale_of(slot) * random,
-            Kind::Number => REACH * random,
+            Kind::Number => {
+                let tenfold = random_unit(start as u64, (slot + mechanism.unknowns.len()) as u64);
+                mechanism.scale_of(slot) * spread(random, tenfold)
+            }
         }
     });
     let inputs = &first[mechanism.unknowns.len()..];
     shaken.chain(inputs.iter().copied()).collect()
+}
+
+/// A number about zero, or, half of the time, of any magnitude up to [`FAR`]: what stands in equations alone may be far from the
+/// start value, as the roots of a polynomial are. Both arguments are random in -1..1.
+fn spread(random: f64, magnitude: f64) -> f64 {
+    match magnitude < 0.0 {
+        true => REACH * random,
+        false => random.signum() * libm::pow(FAR, magnitude),
+    }
 }
 
 /// A number in -1..1 from a key and a counter: the finaliser of SplitMix64 (Steele, Lea, Flood 2014), twice.

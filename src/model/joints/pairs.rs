@@ -4,6 +4,7 @@ use super::joint::{EXACT, JointKind, LinkFrame};
 use super::links::{Finished, LinkEdge, LoopCrossing};
 use crate::model::chain::{Argument, ElementaryMotion};
 use crate::model::mechanism::Mechanism;
+use crate::sorting::sort_by_key;
 use glam::DVec3;
 
 /// Below this sine two intersecting axes are the same axis: no angle of a real joint is as small.
@@ -110,7 +111,7 @@ impl<'a> PairRows<'a> {
             row.iter().for_each(|crossing| taken[crossing.edge] = true);
             runs.extend(self.parted(&row));
         }
-        runs.sort_by_key(|run| run.crossings.iter().map(|c| c.edge).min());
+        sort_by_key(&mut runs, |run| run.crossings.iter().map(|c| c.edge).min());
         runs
     }
 

@@ -2,26 +2,42 @@
 // What a live page holds packed: the engine and the models. Bytes in the format of .lzma files, which browsers do not unpack
 // themselves, written as printable characters. LZMA is described in Pavlov's `lzma-specification.txt`.
 
-/** Eleven of 94 printable characters, all but "<", are nine bytes. */
-const PLACES = 11;
+/** Thirteen digits of this base are eleven bytes. */
+const BASE = 111;
 
-/** The bytes that were written as characters; up to eight zeros follow them. */
+/** The digits of a text: one for a printable character of ASCII, all but "<", and two for any other. */
+function digitsOf(text) {
+  const digits = new Uint8Array(2 * text.length);
+  let count = 0;
+  for (let k = 0; k < text.length; k += 1) {
+    const code = text.charCodeAt(k);
+    if (code < 0xa0) {
+      digits[count++] = code - (code > 60 ? 33 : 32);
+    } else {
+      digits[count++] = 94 + Math.floor((code - 0xa0) / BASE);
+      digits[count++] = (code - 0xa0) % BASE;
+    }
+  }
+  return digits.subarray(0, count);
+}
+
+/** The bytes that were written as characters; up to ten zeros follow them. */
 function bytesOf(text) {
-  const count = text.length / PLACES;
-  const bytes = new Uint8Array(9 * count);
+  const digits = digitsOf(text);
+  const count = Math.floor(digits.length / 13);
+  const bytes = new Uint8Array(11 * count);
   for (let block = 0; block < count; block += 1) {
-    // Three bytes in each part of the number.
-    const parts = [0, 0, 0];
-    for (let k = PLACES * block; k < PLACES * (block + 1); k += 1) {
-      const code = text.charCodeAt(k);
-      let carry = code - (code > 60 ? 33 : 32);
-      for (let part = 2; part >= 0; part -= 1) {
-        carry += 94 * parts[part];
+    // Three bytes in each part of the number, two in the highest.
+    const parts = [0, 0, 0, 0];
+    for (let k = 13 * block; k < 13 * (block + 1); k += 1) {
+      let carry = digits[k];
+      for (let part = 3; part >= 0; part -= 1) {
+        carry += BASE * parts[part];
         parts[part] = carry & 0xffffff;
         carry >>>= 24;
       }
     }
-    for (let k = 0; k < 9; k += 1) bytes[9 * block + k] = parts[Math.floor(k / 3)] >> (16 - 8 * (k % 3));
+    for (let k = 1; k < 12; k += 1) bytes[11 * block + k - 1] = parts[Math.floor(k / 3)] >> (16 - 8 * (k % 3));
   }
   return bytes;
 }

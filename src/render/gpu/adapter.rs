@@ -2,6 +2,7 @@
 
 use crate::render::RenderError;
 use crate::render::adapter::{AdapterChoice, AdapterInfo, DeviceKind};
+use crate::sorting::sort_by_key;
 
 /// The adapters of this machine, best first. Empty where no driver is installed.
 pub fn list_adapters() -> Vec<AdapterInfo> {
@@ -48,7 +49,9 @@ fn found_adapters() -> Vec<wgpu::Adapter> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
     // Hardware before software; the sort is stable and keeps the driver's order.
-    adapters.sort_by_key(|adapter| describe_adapter(adapter).device_type);
+    sort_by_key(&mut adapters, |adapter| {
+        describe_adapter(adapter).device_type
+    });
     adapters.retain(|adapter| {
         describe_adapter(adapter).device_type != DeviceKind::Software || trusts_software_vulkan()
     });

@@ -10,6 +10,7 @@ use crate::distance::solids::Rigid;
 use crate::model::clearance::{ClearanceRules, Ignored, PairMinimum};
 use crate::model::distance::{Distance, SolidPair};
 use crate::model::mechanism::Body;
+use crate::sorting::sort_by_key;
 use std::sync::Arc;
 
 /// Looks up the bodies and checks the distances.
@@ -37,7 +38,7 @@ pub fn resolve_clearance(
             }));
     }
     // A minimum given for a named pair precedes one given for a pattern.
-    rules.pairs.sort_by_key(|p| p.is_one_of_many);
+    sort_by_key(&mut rules.pairs, |p| p.is_one_of_many);
     for ignored in &file.ignored {
         resolve_ignored(
             ignored,
@@ -48,7 +49,7 @@ pub fn resolve_clearance(
         );
     }
     // The same precedence as for minima.
-    rules.ignored.sort_by_key(|i| i.is_one_of_many);
+    sort_by_key(&mut rules.ignored, |i| i.is_one_of_many);
     for pair in &file.touching {
         rules
             .touching

@@ -8,6 +8,7 @@ use super::source::{Source, sources};
 /// The floors of the house, lowest first: folders and files under `src/`. A room uses itself and the rooms of lower
 /// floors; rooms of one floor know nothing of each other. A room in a room is named apart.
 const FLOORS: &[&[&str]] = &[
+    &["sorting.rs"],
     &[
         "diag/", "limits/", "math.rs", "jobs.rs", "weld.rs", "linalg/",
     ],
@@ -51,18 +52,40 @@ const FLOORS: &[&[&str]] = &[
 /// Rooms that use no more of lower floors than this: none of them knows a mechanism.
 const NARROW: &[(&str, &[&str])] = &[
     ("numbers/", &["math.rs"]),
-    ("intervals/", &["linalg/", "math.rs", "numbers/"]),
+    (
+        "intervals/",
+        &["linalg/", "math.rs", "numbers/", "sorting.rs"],
+    ),
     (
         "geometry/",
-        &["diag/", "limits/", "math.rs", "weld.rs", "model/shape.rs"],
+        &[
+            "diag/",
+            "limits/",
+            "math.rs",
+            "sorting.rs",
+            "weld.rs",
+            "model/shape.rs",
+        ],
     ),
-    ("render/", &["limits/", "math.rs", "weld.rs", "geometry/"]),
-    ("export/", &["math.rs", "geometry/", "numbers/decimal.rs"]),
-    ("import/", &["limits/"]),
-    ("parts/", &["export/"]),
+    (
+        "render/",
+        &["limits/", "math.rs", "sorting.rs", "weld.rs", "geometry/"],
+    ),
+    (
+        "export/",
+        &["math.rs", "geometry/", "numbers/decimal.rs", "sorting.rs"],
+    ),
+    ("import/", &["limits/", "sorting.rs"]),
+    ("parts/", &["export/", "sorting.rs"]),
     (
         "plot/",
-        &["diag/", "math.rs", "numbers/decimal.rs", "render/text/"],
+        &[
+            "diag/",
+            "math.rs",
+            "numbers/decimal.rs",
+            "render/text/",
+            "sorting.rs",
+        ],
     ),
     ("compare/", &["import/"]),
 ];

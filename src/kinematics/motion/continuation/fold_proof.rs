@@ -14,6 +14,7 @@ use crate::model::chain::Argument;
 use crate::model::expression::{Expression, Op};
 use crate::model::mechanism::Kind;
 use crate::numbers::rounding::DECIMAL;
+use crate::sorting::sort_by_key;
 use std::sync::Arc;
 
 /// Most unknowns: all blocks are proved as one.
@@ -76,7 +77,7 @@ impl Exchanged {
                 Argument::Affine(affine) => {
                     let terms = affine.terms.iter_mut();
                     terms.for_each(|term| term.0 = exchange_slot(term.0, slots));
-                    affine.terms.sort_by_key(|term| term.0);
+                    sort_by_key(&mut affine.terms, |term| term.0);
                 }
                 Argument::Formula(expression) => *expression = rename_slots(expression, slots),
             }
