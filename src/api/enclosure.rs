@@ -47,6 +47,7 @@ impl Enclosure {
             vary,
             own: &[],
             tolerance,
+            otherwise: None,
             between: false,
         };
         let (family, tolerances) = asked.family(&loaded.text, &loaded.overrides, &loaded.scene)?;

@@ -178,6 +178,14 @@ impl Scheme {
             .chain(points)
             .chain(surfaces)
     }
+
+    /// The longest side of the box around them; not above zero if there are none.
+    pub fn extent(&self) -> f64 {
+        let places = self.places().filter(|place| place.is_finite());
+        let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let [low, high] = places.fold(none, |[low, high], p| [low.min(p), high.max(p)]);
+        (high - low).max_element()
+    }
 }
 
 /// Sine below which two directions of a scheme are one, or square to each other.

@@ -17,12 +17,31 @@ pub(super) const NOTHING: f64 = 1e-9;
 /// So many lines of a link are compared with a new one: a drawing with more of them is black, and a repeated line changes nothing.
 const COMPARED: usize = 1000;
 
+/// A mechanism whose parts lie within this share of its size has that size from its distance to the origin.
+const FAR: f64 = 1e-2;
+
 /// The scheme of a mechanism at the given coordinates (unknowns, then inputs).
 pub fn scheme_at(mechanism: &Mechanism, notation: &Notation, coordinates: &[f64]) -> Scheme {
+    let size = mechanism.size;
+    let scheme = scheme_of_size(mechanism, notation, coordinates, size);
+    let extent = scheme.extent();
+    match NOTHING * size < extent && extent < FAR * size {
+        true => scheme_of_size(mechanism, notation, coordinates, extent),
+        false => scheme,
+    }
+}
+
+fn scheme_of_size(
+    mechanism: &Mechanism,
+    notation: &Notation,
+    coordinates: &[f64],
+    size: f64,
+) -> Scheme {
     let values = notation.values(coordinates);
     let own = mechanism.argument_values(coordinates);
     let joints = &mechanism.joints;
     let mut walker = ChainWalker::new(mechanism, notation, &values, &own);
+    walker.scheme.size = size;
     for (k, chain) in notation.loops.iter().enumerate() {
         let (Some(start), Some(passages)) = (joints.loop_starts.get(k), joints.along_loops.get(k))
         else {
@@ -115,7 +134,6 @@ impl<'a> ChainWalker<'a> {
             ends,
             scheme: Scheme {
                 links: links.collect(),
-                size: mechanism.size,
                 ..Scheme::default()
             },
             known: vec![None; joints.list.len()],

@@ -203,7 +203,7 @@ impl ShadowCaster {
                     None => self.coarse.get(instance.mesh),
                 };
                 if let Some((mesh, coarse)) = meshes.get(instance.mesh).zip(coarse) {
-                    let pose = ground_from_world * instance.world_from_mesh;
+                    let pose = ground_from_world * instance.world_from_positions(mesh.origin);
                     // The least height over every texel: straight below, and along the key light if that is steep
                     // enough.
                     let maps = std::iter::once(&mut below).chain(thrown.as_mut());

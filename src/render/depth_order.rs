@@ -5,6 +5,7 @@
 
 use super::Instance;
 use crate::math::{Pose, narrow_pose};
+use glam::DVec3;
 
 /// Step from one instance to the next, in pixels of depth. Corners are rounded to 1/256 of a pixel on the screen, which
 /// changes the depth of a surface by as much times its slope.
@@ -28,9 +29,14 @@ pub struct Eye {
 }
 
 impl Eye {
-    /// Rows of the map from an instance's mesh to the camera; `number` is its index in the frame.
-    pub fn camera_from_mesh(&self, instance: &Instance, number: usize) -> [[f32; 4]; 3] {
-        let camera_from_mesh = self.camera_from_world * instance.world_from_mesh;
+    /// Rows of the map from the positions of an instance's mesh, whose origin is given, to the camera; `number` is its index in
+    /// the frame.
+    pub fn camera_from_mesh(
+        &self,
+        (instance, origin): (&Instance, DVec3),
+        number: usize,
+    ) -> [[f32; 4]; 3] {
+        let camera_from_mesh = self.camera_from_world * instance.world_from_positions(origin);
         let mut rows = narrow_pose(&camera_from_mesh);
         let steps = (LEVELS - 1 - number % LEVELS) as f64;
         if self.perspective {

@@ -131,6 +131,13 @@ pub struct Instance {
     pub flat: f64,
 }
 
+impl Instance {
+    /// World from the positions of its mesh, which are counted from `origin` on.
+    pub fn world_from_positions(&self, origin: DVec3) -> Pose {
+        self.world_from_mesh * Pose::from_translation(origin)
+    }
+}
+
 /// Where a label is anchored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LabelAnchor {

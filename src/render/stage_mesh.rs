@@ -5,10 +5,17 @@ use crate::geometry::Mesh;
 use crate::math::narrow_vector;
 use glam::DVec3;
 
+/// A box is far from the origin beyond this many times its size: up to there single precision tells 60 000 places along its sides
+/// apart.
+const FAR: f64 = 256.0;
+
 /// A mesh of a stage.
 #[derive(Clone, Debug, Default)]
 pub struct StageMesh {
-    /// Vertices in the mesh's frame, in the scene's length unit.
+    /// Where the vertices are counted from, in the mesh's frame: its origin, or the middle of a mesh that is far from there,
+    /// where single precision would not tell its vertices apart.
+    pub origin: DVec3,
+    /// Vertices from `origin` on, in the scene's length unit.
     pub positions: Vec<[f32; 3]>,
     /// One for each vertex.
     pub normals: Vec<[f32; 3]>,
@@ -20,7 +27,7 @@ pub struct StageMesh {
     pub patch_count: u32,
     /// Back faces of a closed mesh are invisible.
     pub closed: bool,
-    /// Least and greatest corner of the box around it; both zero without vertices.
+    /// Least and greatest corner of the box around it, in the mesh's frame; both zero without vertices.
     pub bounds: [DVec3; 2],
 }
 
@@ -56,8 +63,9 @@ impl From<Mesh> for StageMesh {
             mut triangles,
         } = mesh;
         let count = positions.len().min(normals.len());
-        let positions = narrowed_points(positions, count);
-        let normals = narrowed_points(normals, count);
+        let origin = origin_of(bounds);
+        let positions = narrowed_points(positions, count, origin);
+        let normals = narrowed_points(normals, count, DVec3::ZERO);
         if count == 0 {
             triangles.clear();
         }
@@ -68,6 +76,7 @@ impl From<Mesh> for StageMesh {
         }
         let (patches, patch_count) = edges::patches(count, &triangles);
         Self {
+            origin,
             positions,
             normals,
             triangles,
@@ -79,10 +88,19 @@ impl From<Mesh> for StageMesh {
     }
 }
 
-fn narrowed_points(list: Vec<DVec3>, count: usize) -> Vec<[f32; 3]> {
+/// The middle of a box that is far from the origin for its size; otherwise the origin.
+fn origin_of([low, high]: [DVec3; 2]) -> DVec3 {
+    let size = (high - low).max_element();
+    match low.abs().max(high.abs()).max_element() > FAR * size {
+        true => 0.5 * low + 0.5 * high,
+        false => DVec3::ZERO,
+    }
+}
+
+fn narrowed_points(list: Vec<DVec3>, count: usize, origin: DVec3) -> Vec<[f32; 3]> {
     // Not in place: `collect` would keep the memory of the f64 list.
     let mut narrow = Vec::with_capacity(count);
-    narrow.extend(list[..count].iter().map(|v| narrow_vector(*v)));
+    narrow.extend(list[..count].iter().map(|v| narrow_vector(*v - origin)));
     narrow
 }
 
@@ -108,5 +126,22 @@ mod tests {
             ..Mesh::default()
         });
         assert!(nothing.triangles.is_empty() && nothing.bounds == [DVec3::ZERO; 2]);
+    }
+
+    /// A millimetre is kept at any distance.
+    #[test]
+    fn vertices_far_from_the_origin_are_told_apart() {
+        for far in [0.0, 1e3, 1e7, 1e12] {
+            let corners = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|p| p + DVec3::splat(far));
+            let mesh = StageMesh::from(Mesh {
+                positions: corners.to_vec(),
+                normals: vec![DVec3::Z; 3],
+                triangles: vec![[0, 1, 2]],
+            });
+            for (place, corner) in mesh.positions.iter().zip(corners) {
+                let kept = mesh.origin + DVec3::from(place.map(f64::from));
+                assert!(kept.distance(corner) < 1e-3, "{far}: {kept}");
+            }
+        }
     }
 }

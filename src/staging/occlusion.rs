@@ -51,7 +51,7 @@ fn crosses_instance(
         return false;
     }
     mesh.triangles.iter().any(|corners| {
-        let corner = |k: u32| DVec3::from(mesh.positions[k as usize].map(f64::from));
+        let corner = |k: u32| mesh.origin + DVec3::from(mesh.positions[k as usize].map(f64::from));
         let [a, b, c] = corners.map(corner);
         meets_triangle(from, way, [a, b - a, c - a]).is_some_and(&is_there)
     })

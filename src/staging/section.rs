@@ -291,13 +291,13 @@ fn face_mesh<'t>(parts: impl Iterator<Item = &'t Trapezoid>, overlap: f64) -> Me
 
 /// A mesh of a stage in double precision: what is cut is what would be drawn.
 fn widened(mesh: &StageMesh) -> Mesh {
-    let wide = |list: &[[f32; 3]]| {
-        let list = list.iter().map(|v| DVec3::from(v.map(f64::from)));
+    let wide = |list: &[[f32; 3]], from: DVec3| {
+        let list = list.iter().map(|v| from + DVec3::from(v.map(f64::from)));
         list.collect()
     };
     Mesh {
-        positions: wide(&mesh.positions),
-        normals: wide(&mesh.normals),
+        positions: wide(&mesh.positions, mesh.origin),
+        normals: wide(&mesh.normals, DVec3::ZERO),
         triangles: mesh.triangles.clone(),
     }
 }

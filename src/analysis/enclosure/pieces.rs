@@ -15,6 +15,8 @@ pub struct PieceTolerances<'a> {
     pub own: &'a [(String, f64)],
     /// The tolerance of every dimension that has none of its own, in its unit.
     pub tolerance: Option<f64>,
+    /// The same, where nobody asked for one and only ratios count.
+    pub otherwise: Option<f64>,
     /// Whether bands between samples are requested, too.
     pub between: bool,
 }
@@ -85,6 +87,7 @@ impl PieceTolerances<'_> {
         let own = names.iter().map(|name| {
             let own = Self {
                 tolerance: None,
+                otherwise: None,
                 ..*self
             }
             .tolerance_of(drawn, name);
@@ -113,6 +116,7 @@ impl PieceTolerances<'_> {
         own.map(|(_, t)| t * unit)
             .or_else(of_study)
             .or_else(general)
+            .or_else(|| Some(self.otherwise? * unit))
     }
 }
 

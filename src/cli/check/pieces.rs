@@ -49,6 +49,7 @@ pub fn all_pieces(
         vary: &args.vary.vary,
         own,
         tolerance: args.made_within,
+        otherwise: None,
         between: true,
     };
     let overrides = Overrides {

@@ -210,7 +210,7 @@ impl TargetTable<'_> {
         };
         for (k, cell) in row.iter().enumerate() {
             if cell.is_empty() {
-                let hint = "leave the whole row out, or set its weight to 0";
+                let hint = "leave the whole row out, or write any number there and 0 as its weight";
                 return Err(self.table.fault(k, "a gap in the table", hint));
             }
             let value = self.table.number(row, k)?;

@@ -37,12 +37,11 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
     io::refuse_clashes(&[&scene], &reports)?;
     let format = args.plot.as_deref().map(PlotFormat::of).transpose()?;
     let (source, overrides, drawn) = nominal_source(&scene, term)?;
-    // With requested tolerances only their ratios count.
-    let unit = args.allow.as_ref().map(|_| 1.0);
     let asked = PieceTolerances {
         vary: &args.vary.vary,
         own: &own,
-        tolerance: args.tolerance.or(unit),
+        tolerance: args.tolerance,
+        otherwise: args.allow.as_ref().map(|_| 1.0),
         between: args.between,
     };
     let (family, tolerances) = open_pieces(&asked, "--tolerance", (&source, &overrides, &drawn))?;

@@ -215,7 +215,7 @@ impl TriangleAssembly {
         let Some(solid) = solid else { return };
         self.surfaces += solid.patch_count;
         // Vertices to camera space and onto the sample grid, once for all triangles.
-        let [x, y, z] = lens.eye.camera_from_mesh(instance, index);
+        let [x, y, z] = lens.eye.camera_from_mesh((instance, solid.origin), index);
         let row = |r: [f32; 4], p: [f32; 3]| r[0] * p[0] + r[1] * p[1] + r[2] * p[2];
         let points = solid.positions.iter().zip(&solid.normals);
         self.vertices.extend(points.map(|(p, n)| {
@@ -342,7 +342,7 @@ impl TriangleAssembly {
         faces: FacesDrawn,
         triangle: usize,
     ) {
-        let [x, y, z] = lens.eye.camera_from_mesh(instance, index);
+        let [x, y, z] = lens.eye.camera_from_mesh((instance, solid.origin), index);
         // The corners in camera space, clipped at the planes of the view.
         let row = |r: [f32; 4], p: [f32; 3]| r[0] * p[0] + r[1] * p[1] + r[2] * p[2];
         let corners = solid.triangles[triangle].map(|i| {

@@ -37,6 +37,7 @@ impl Meshes {
                 triangles: mesh.triangles.len() as u32,
                 closed: mesh.closed,
                 patches: mesh.patch_count,
+                origin: mesh.origin,
                 of_frame,
             });
             indices.extend(mesh.triangles.iter().flatten().map(|corner| base + corner));

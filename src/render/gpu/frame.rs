@@ -3,6 +3,7 @@
 use super::layout::{InstanceData, instance_data};
 use crate::render::depth_order::Eye;
 use crate::render::{Frame, Instance, edges};
+use glam::DVec3;
 
 /// Where a mesh lies in the index buffer, and what drawing needs to know of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +16,8 @@ pub struct MeshSpan {
     pub closed: bool,
     /// Smooth patches.
     pub patches: u32,
+    /// What its vertices are counted from.
+    pub origin: DVec3,
     /// Whether it is a mesh of the frame, in buffers of its own.
     pub of_frame: bool,
 }
@@ -63,7 +66,7 @@ impl DrawPlan {
             let surface =
                 edges::first_surface(instance.outline, instance.opacity, creases, surfaces);
             surfaces += span.patches;
-            let rows = eye.camera_from_mesh(instance, number);
+            let rows = eye.camera_from_mesh((instance, span.origin), number);
             let data = instance_data(instance, rows, surface);
             if instance.opacity >= 1.0 {
                 push_draw(&mut plan.opaque, &mut plan.instances, &span, instance, data);
@@ -124,6 +127,7 @@ mod tests {
             triangles: 10,
             closed: true,
             patches: 1,
+            origin: DVec3::ZERO,
             of_frame: false,
         },
         MeshSpan {
@@ -131,6 +135,7 @@ mod tests {
             triangles: 4,
             closed: false,
             patches: 1,
+            origin: DVec3::ZERO,
             of_frame: false,
         },
     ];

@@ -31,7 +31,7 @@ impl<'a> Caster<'a> {
             mesh,
             triangles: &mesh.triangles[start..end],
             closed: mesh.closed && end - start == count,
-            rows: eye.camera_from_mesh(instance, number),
+            rows: eye.camera_from_mesh((instance, mesh.origin), number),
         })
     }
 }

@@ -69,7 +69,9 @@ fn body(mesh: usize) -> Instance {
 fn on(shade: &MutualShade, camera: &Camera, point: DVec3) -> LightShare {
     let [x, y, _] = camera.project(point, SIZE).unwrap();
     // Of the first of the bodies, which is drawn a little nearer.
-    let rows = camera.eye(SIZE).camera_from_mesh(&body(0), 0);
+    let rows = camera
+        .eye(SIZE)
+        .camera_from_mesh((&body(0), DVec3::ZERO), 0);
     let place = rows.map(|row| row_value(&row, point.as_vec3().to_array()));
     shade.on([x as f32, y as f32], place, [0.0, 0.0, 1.0])
 }

@@ -117,7 +117,10 @@ fn in_order(target: &Target, fit: &Fit) -> bool {
     })
 }
 
-/// Whether numbers ascend or descend; angles that go round, by less than a turn in all.
+/// A curve that ends where it began has gone a whole turn, to within this angle: fits leave less.
+const WHOLE_TURN: f64 = 1e-6;
+
+/// Whether numbers ascend or descend; angles that go round, by no more than a turn in all.
 fn is_one_way(phases: &[f64], is_cyclic: bool) -> bool {
     let steps = || phases.windows(2).map(|pair| pair[1] - pair[0]);
     if is_cyclic {
@@ -126,7 +129,7 @@ fn is_one_way(phases: &[f64], is_cyclic: bool) -> bool {
                 .map(|step| (sign * step).rem_euclid(TAU))
                 .sum::<f64>()
         };
-        return way(1.0) < TAU || way(-1.0) < TAU;
+        return way(1.0).min(way(-1.0)) < TAU + WHOLE_TURN;
     }
     steps().all(|step| step >= 0.0) || steps().all(|step| step <= 0.0)
 }
@@ -137,10 +140,13 @@ mod tests {
 
     #[test]
     fn rows_that_pass_the_end_of_a_turn_are_in_order() {
-        let rows: [(&[f64], [bool; 2]); 5] = [
+        let rows: [(&[f64], [bool; 2]); 8] = [
             (&[5.0, 5.6, 6.2, 0.517, 1.117], [true, false]),
             (&[1.117, 0.517, 6.2, 5.6, 5.0], [true, false]),
             (&[0.1, 0.2, 4.0], [true, true]),
+            (&[0.1, 2.0, 4.0, 0.1], [true, false]),
+            (&[0.1, 4.0, 2.0, 0.1 + 1e-9], [true, false]),
+            (&[0.1, 2.0, 4.0, 0.2], [false, false]),
             (&[0.1, 4.0, 2.0, 3.0], [false, false]),
             (&[5.0, 0.5, 4.9, 0.4, 4.8], [false, false]),
         ];
