@@ -325,8 +325,12 @@ pub(super) fn positive_number(text: &str) -> Result<f64, String> {
 const MOST_ENLARGED: f64 = 1e12;
 
 pub(super) fn number_in(text: &str, range: &RangeInclusive<f64>) -> Result<f64, String> {
-    let value = text.parse::<f64>().ok().filter(|v| range.contains(v));
-    value.ok_or_else(|| format!("it must be {}", range_words(range)))
+    let value = text.parse::<f64>();
+    let value = value.map_err(|_| format!("it must be a number, {}", range_words(range)))?;
+    match range.contains(&value) {
+        true => Ok(value),
+        false => Err(format!("it must be {}", range_words(range))),
+    }
 }
 
 fn parse_enlargement(text: &str) -> Result<f64, String> {

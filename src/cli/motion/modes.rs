@@ -49,15 +49,16 @@ pub fn run_modes(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
             &modes_document(&system, inputs, args.at, &modes),
         )?;
     }
+    let is_refuted = modes.list.is_empty() && has_no_pose(&system, inputs);
     io::print_beside(
         term,
         args.json.as_deref(),
-        &modes_text(&system, inputs, args.at, &modes),
+        &modes_text(&system, (inputs, args.at), &modes, is_refuted),
     )?;
     if !modes.list.is_empty() {
         return Ok(Outcome::Done);
     }
-    if has_no_pose(&system, inputs) {
+    if is_refuted {
         term.note("no pose exists (proved)");
         return Ok(Outcome::NotClosed);
     }
@@ -65,8 +66,13 @@ pub fn run_modes(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
     Ok(Outcome::Undecided)
 }
 
-/// The table, and the outcome that it means.
-fn modes_text(system: &System, inputs: &[f64], time: f64, modes: &Modes) -> String {
+/// The table, and what it is worth, unless it is proved that there is nothing to find.
+fn modes_text(
+    system: &System,
+    (inputs, time): (&[f64], f64),
+    modes: &Modes,
+    is_refuted: bool,
+) -> String {
     let mechanism = system.mechanism();
     let inputs = sentences::input_sentence(mechanism, inputs);
     let mut text = format!(
@@ -78,6 +84,9 @@ fn modes_text(system: &System, inputs: &[f64], time: f64, modes: &Modes) -> Stri
         text.push_str(&modes_table(mechanism, modes));
     }
     text.push('\n');
+    if is_refuted {
+        return text;
+    }
     for line in assemblies::mode_remarks(system, modes) {
         text.push_str(&line);
         text.push('\n');

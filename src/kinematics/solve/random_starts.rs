@@ -1,12 +1,13 @@
 //! Random start values that depend on the number of the start only.
 
-use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::mechanism::{Equation, Kind, Mechanism};
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 /// Start values of lengths reach this many sizes to either side; a chain of a few links rarely spans more.
 const REACH: f64 = 2.0;
 
-/// Start values of numbers reach this many of their magnitudes.
+/// Start values of unknowns that stand in equations alone reach this many of their magnitudes.
 const FAR: f64 = 1e4;
 
 /// Largest closure error of an assembly that counts. Rounding leaves about 1e-15; a start that stopped beside a
@@ -19,19 +20,36 @@ pub fn start_values(mechanism: &Mechanism, first: &[f64], start: usize) -> Vec<f
         return first.to_vec();
     }
     let unknowns = mechanism.unknowns.iter().enumerate();
+    let formal = formal_unknowns(mechanism);
     let shaken = unknowns.map(|(slot, unknown)| {
         let random = random_unit(start as u64, slot as u64);
-        match unknown.kind {
-            Kind::Angle => PI * random,
-            Kind::Length => REACH * mechanism.scale_of(slot) * random,
-            Kind::Number => {
-                let tenfold = random_unit(start as u64, (slot + mechanism.unknowns.len()) as u64);
-                mechanism.scale_of(slot) * spread(random, tenfold)
+        if unknown.kind == Kind::Angle {
+            return PI * random;
+        }
+        let scale = mechanism.scale_of(slot);
+        match formal.contains(&slot) {
+            true => {
+                let magnitude = random_unit(start as u64, (slot + mechanism.unknowns.len()) as u64);
+                scale * spread(random, magnitude)
             }
+            false => REACH * scale * random,
         }
     });
     let inputs = &first[mechanism.unknowns.len()..];
     shaken.chain(inputs.iter().copied()).collect()
+}
+
+/// Unknowns of equations that no loop and no bar contains: no link tells how far they reach.
+fn formal_unknowns(mechanism: &Mechanism) -> BTreeSet<usize> {
+    let steps = mechanism.loops.iter().flat_map(|l| l.chain.arguments());
+    let of_loops = steps.flat_map(|argument| mechanism.arguments[argument].coordinates());
+    let is_bar = |e: &&Equation| mechanism.bars.iter().any(|bar| bar.name == e.name);
+    let (bars, others): (Vec<_>, Vec<_>) = mechanism.equations.iter().partition(is_bar);
+    let slots = |e: &Equation| e.expression.slots();
+    let of_bars = bars.into_iter().flat_map(slots);
+    let of_links: BTreeSet<usize> = of_loops.chain(of_bars).collect();
+    let formal = others.into_iter().flat_map(slots);
+    formal.filter(|slot| !of_links.contains(slot)).collect()
 }
 
 /// A number about zero, or, half of the time, of any magnitude up to [`FAR`]: what stands in equations alone may be far from the

@@ -737,3 +737,40 @@ fn solids_far_from_the_origin_keep_their_shape() {
         }
     }
 }
+
+/// A mechanism looks the same wherever it stands: its bodies, its path, the signs of its joints, and its drawing.
+#[test]
+fn pictures_far_from_the_origin_are_those_at_the_origin() {
+    let w = Workspace::new();
+    for place in ["0, 0, 0", "500000, 5500000, 0", "3e7, 0, 0"] {
+        let text = format!(
+            "duration = 4\nunits = {{ length = \"m\", angle = \"deg\" }}\n[inputs]\nu = \"90*t\"\n\
+             [chains]\nC = \"T({place}) Rz(u)\"\n[[bodies]]\nname = \"jib\"\nframe = \"C\"\n\
+             shapes = [{{ box = {{ center = [5, 0, 8], size = [12, 1, 1] }} }}]\n\
+             [[traces]]\nname = \"hook\"\nbody = \"jib\"\npoint = [10, 0, 8]\n[view]\nground = \"none\"\n"
+        );
+        w.write("crane.toml", text);
+        let name = |what: &str| format!("{what}-{}.png", place.len());
+        for (verb, options) in [
+            (
+                "render",
+                &["--at", "1", "--size", "300x200", "--joints"][..],
+            ),
+            ("draw", &["--width", "500"]),
+        ] {
+            let out = name(verb);
+            let mut line = vec![verb, "crane.toml", "--out", &out];
+            line.extend(options);
+            w.run(&line).exits(0);
+            let [own, near] = [out, format!("{verb}-7.png")].map(|file| {
+                let bytes = w.read(&file);
+                image::load_from_memory(&bytes).unwrap().into_rgb8()
+            });
+            assert_eq!(own.dimensions(), near.dimensions(), "{verb} {place}");
+            let pairs = own.pixels().zip(near.pixels());
+            let differs = pairs.filter(|(a, b)| (0..3).any(|k| a[k].abs_diff(b[k]) > 40));
+            let count = differs.count();
+            assert!(count < 40, "{verb} at {place}: {count} pixels differ");
+        }
+    }
+}

@@ -86,6 +86,57 @@ fn the_slider_crank_has_its_two_assemblies() {
     assert_ne!(modes.list[0].branch, modes.list[1].branch);
 }
 
+/// Roots of equations far from their start values, in any unit: what no link bounds is looked for at every magnitude.
+#[test]
+fn equations_have_all_their_roots() {
+    let slider = "[inputs]\nphi = \"30+10*t\"\n[equations]\na = \"(K*40*cos(phi)-h)^2 + (K*40*sin(phi))^2 - (K*80)^2\"\n";
+    let sliders = [-1.0, 1.0].map(|sign| 1200_f64.sqrt() + sign * 6000_f64.sqrt());
+    let cubic = "[inputs]\nq = \"t\"\n[equations]\na = \"(h - K*10)*(h - K*60)*(h - K*200)/1000\"\n[chains]\nP = \"Tx(h)\"\n[[bodies]]\nname = \"b\"\nframe = \"P\"\n";
+    let seven = "[inputs]\nq = \"t\"\n[equations]\na = \"(h-K*1)*(h-K*2)*(h-K*3)*(h-K*4)*(h-K*5)*(h-K*6)*(h-K*7)\"\n";
+    let loops = "[inputs]\nphi = \"30+10*t\"\n[loops]\nA = \"Rz(phi) Tx(K*40) Rz(alpha) Tx(K*80) Rz(beta) Tx(-g)\"\n[equations]\nk = \"(h-g)^2 + (K*20)^2 - (K*90)^2\"\n";
+    let beside = (90.0_f64.powi(2) - 20.0_f64.powi(2)).sqrt();
+    let beside: Vec<f64> = sliders
+        .iter()
+        .flat_map(|g| [g - beside, g + beside])
+        .collect();
+    let whole: Vec<f64> = (1..=7).map(f64::from).collect();
+    for (text, roots) in [
+        (slider, &sliders[..]),
+        (cubic, &[10.0, 60.0, 200.0]),
+        (seven, &whole),
+        (loops, &beside),
+    ] {
+        for unit in [1e-3, 1.0, 1e3] {
+            let text = format!(
+                "units = {{ angle = \"deg\" }}\n{}",
+                text.replace('K', &unit.to_string())
+            );
+            let source = Source {
+                name: "roots".to_owned(),
+                text,
+            };
+            let mechanism = mechanism(&source, &[]);
+            let found = modes(&mechanism, DEFAULT_STARTS);
+            let mut found: Vec<f64> = found
+                .list
+                .iter()
+                .map(|mode| value(&mechanism, mode, "h") / unit)
+                .collect();
+            found.sort_by(f64::total_cmp);
+            let mut roots = roots.to_vec();
+            roots.sort_by(f64::total_cmp);
+            let pairs = found.iter().zip(&roots);
+            let near = pairs
+                .into_iter()
+                .all(|(a, b)| (a - b).abs() < 1e-6 * b.abs());
+            assert!(
+                found.len() == roots.len() && near,
+                "{unit} {found:?} {roots:?}"
+            );
+        }
+    }
+}
+
 /// Two positions of the rocker, of the lever's pin and of the roll about the line between the balls make eight. The
 /// short link between its ball and its universal joint can be turned by π about its own axis in each of them, which
 /// is another pose of that link and of nothing else. Second Euler angles would make 2⁴ times as many.
