@@ -1,18 +1,14 @@
 //! One pair of bodies: the requirements of the scene, and the result.
 
-use super::contact::AT_LEAST;
 use super::found::{Judgement, PairReport, Violation, Violations};
 use super::joint_region::JointRegion;
 use super::motion::ProvedMotion;
 use super::neighbours::{Neighbours, joint_neighbours};
 use super::part::JudgedPart;
 use super::sweep::{Least, PairSweep};
+use super::touching::judge_touching;
 use crate::distance::bodies::BodyElements;
 use crate::model::clearance::{ClearanceRules, Ignored};
-
-/// Bodies in contact may be this far apart or overlap by this at the sampled times, on the scale of the contact and besides
-/// what poses are off: much more than rounding.
-const CONTACT: f64 = 1e-10;
 
 /// Two bodies and the requirements on them.
 pub(super) struct AskedPair<'a> {
@@ -88,7 +84,7 @@ impl<'a> AskedPair<'a> {
                 let judgement = Judgement::Neighbours(Neighbours::Rigid.words());
                 let first = motion.samples.first().copied();
                 let least = first.and_then(|k| whole.sampled(motion, &[k], None));
-                let report = least.map(|least| excluded_report(&whole, minimum, least, judgement));
+                let report = least.map(|least| PairReport::of(&whole, minimum, least, judgement));
                 found.excluded.extend(report);
             }
             Some(Neighbours::Joined { words, region }) => {
@@ -146,16 +142,16 @@ impl<'a> AskedPair<'a> {
                 false => None,
             };
             if let Some(cut) = cut {
-                let report = excluded_report(&only, 0.0, cut, Judgement::Failed);
+                let report = PairReport::of(&only, 0.0, cut, Judgement::Failed);
                 found.judged.push(report);
                 continue;
             }
             match least.distance < allowed {
                 true => {
-                    let report = excluded_report(&only, allowed, least, Judgement::Failed);
+                    let report = PairReport::of(&only, allowed, least, Judgement::Failed);
                     found.judged.push(report);
                 }
-                false => kept.push(excluded_report(
+                false => kept.push(PairReport::of(
                     &only,
                     self.minimum(),
                     least,
@@ -224,7 +220,7 @@ impl<'a> AskedPair<'a> {
         }
         let judgement = Judgement::Ignored(ignored.reason.clone());
         let least = out.searched(motion);
-        let report = least.map(|least| excluded_report(&out, minimum, least, judgement));
+        let report = least.map(|least| PairReport::of(&out, minimum, least, judgement));
         found.excluded.extend(report);
         let is_all = ignored.shapes.is_empty() && ignored.down_to.is_none();
         if is_all && !ignored.is_one_of_many {
@@ -278,83 +274,6 @@ impl<'a> AskedPair<'a> {
         let found = judge_minimum(motion, &rest, self.minimum())?;
         (found.judgement == Judgement::Passed).then(|| needless + "without it they pass")
     }
-}
-
-/// The report of a pair that is not judged.
-fn excluded_report(
-    sweep: &PairSweep,
-    minimum: f64,
-    least: Least,
-    judgement: Judgement,
-) -> PairReport {
-    PairReport {
-        pair: sweep.bodies(),
-        minimum,
-        least,
-        judgement,
-        distances: Vec::new(),
-        farthest: None,
-        seconds: 0.0,
-        slack: sweep.slack(),
-        violations: None,
-        left_out: Vec::new(),
-    }
-}
-
-/// A pair that must touch all the time: at the sampled times to rounding, between them as near as can be proved. What is
-/// reported is where it is farthest from touching.
-fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairReport> {
-    let scale = sweep.contact_scale(motion);
-    // At the samples: contact means a distance of 0 to within the tolerance of poses.
-    let mut distances = Vec::new();
-    let samples = motion.samples.clone();
-    sweep.sampled(motion, &samples, Some(&mut distances))?;
-    let off = |k: &usize| distances[*k].abs();
-    let worst = (0..distances.len()).max_by(|j, k| off(j).total_cmp(&off(k)))?;
-    let mut least = sweep.sampled(motion, &samples[worst..=worst], None)?;
-    if least.distance.abs() > CONTACT * scale + sweep.pose_slack() {
-        least.bound = distances.iter().copied().fold(f64::INFINITY, f64::min);
-        return Some(PairReport {
-            pair: sweep.bodies(),
-            minimum: 0.0,
-            farthest: None,
-            least,
-            judgement: Judgement::Failed,
-            distances,
-            seconds: 0.0,
-            slack: sweep.slack(),
-            violations: None,
-            left_out: Vec::new(),
-        });
-    }
-    // Between them: the distance is enclosed over the proved motion.
-    let contact = sweep.contact_over(motion);
-    let mut judgement = if contact.is_within(AT_LEAST * scale) {
-        Judgement::kept(contact.is_certified)
-    } else {
-        Judgement::Undecided
-    };
-    if let Some((stretch, s)) = contact.broken
-        && let Some(instant) = motion.pose_at(stretch, s)
-        && let Some(between) = sweep.sampled(motion, &[instant], None)
-    {
-        (least, judgement) = (between, Judgement::Failed);
-    }
-    let lowest = contact.low.min(sweep.lowest_alone(motion));
-    least.bound = sweep.told(lowest.min(least.distance));
-    least.is_certified = contact.is_certified;
-    Some(PairReport {
-        pair: sweep.bodies(),
-        minimum: 0.0,
-        farthest: Some(contact.high.max(least.distance)),
-        least,
-        judgement,
-        distances,
-        seconds: 0.0,
-        slack: sweep.slack(),
-        violations: None,
-        left_out: Vec::new(),
-    })
 }
 
 /// The least distance and the times of violations are looked for apart: what either has seen counts for both.
@@ -414,15 +333,7 @@ fn judge_minimum(motion: &mut ProvedMotion, sweep: &PairSweep, minimum: f64) -> 
         Judgement::Undecided
     };
     Some(PairReport {
-        pair: sweep.bodies(),
-        minimum,
-        least,
-        judgement,
         distances,
-        farthest: None,
-        seconds: 0.0,
-        slack: sweep.slack(),
-        violations: None,
-        left_out: Vec::new(),
+        ..PairReport::of(sweep, minimum, least, judgement)
     })
 }

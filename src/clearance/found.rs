@@ -1,7 +1,8 @@
 //! The result of a clearance check: pairs with their distances and judgements, and a summary of all others.
 
 use super::part::{JudgedPart, PieceClearance, PieceReport};
-use super::sweep::Least;
+use super::sweep::{Least, PairSweep};
+use super::touching::Touching;
 pub use super::violations::{Violation, Violations};
 
 /// How a pair was judged.
@@ -41,6 +42,8 @@ impl Judgement {
 pub enum ClearanceClass {
     /// Nearer than its minimum.
     Below,
+    /// It must touch, and does not always; it never overlaps by more than is allowed.
+    Separated,
     /// Perhaps: the bound is below the minimum, or an estimate.
     NotProved,
     /// It keeps its minimum, but not by much.
@@ -56,6 +59,7 @@ impl ClearanceClass {
     pub const fn word(self) -> &'static str {
         match self {
             Self::Below => "below",
+            Self::Separated => "separated",
             Self::NotProved => "not proved",
             Self::Near => "near",
             Self::Clear => "clear",
@@ -65,6 +69,22 @@ impl ClearanceClass {
 }
 
 impl PairReport {
+    /// The report of a pair with this least distance; the rest is added by whoever looks for it.
+    pub(super) fn of(sweep: &PairSweep, minimum: f64, least: Least, judgement: Judgement) -> Self {
+        Self {
+            pair: sweep.bodies(),
+            minimum,
+            least,
+            judgement,
+            distances: Vec::new(),
+            touching: None,
+            seconds: 0.0,
+            slack: sweep.slack(),
+            violations: None,
+            left_out: Vec::new(),
+        }
+    }
+
     /// For a pair that may overlap down to its minimum: whether it may be deeper. Depths have no certificate.
     pub(super) fn is_deeper(&self) -> bool {
         matches!(self.judgement, Judgement::Failed | Judgement::Undecided)
@@ -73,7 +93,7 @@ impl PairReport {
     /// The lower bound of its distance; nothing if it is unknown, or if the bodies overlap: a depth is a
     /// measure of an overlap, not a bound. Bodies in contact may be that deep between the samples.
     pub fn known_bound(&self) -> Option<f64> {
-        let is_apart = self.farthest.is_some() || self.least.distance >= -self.slack;
+        let is_apart = self.touching.is_some() || self.least.distance >= -self.slack;
         Some(self.least.bound).filter(|bound| is_apart && bound.is_finite())
     }
 
@@ -82,9 +102,12 @@ impl PairReport {
     pub fn class(&self, band: Option<f64>) -> ClearanceClass {
         let edge = self.minimum + band.unwrap_or(self.minimum);
         match self.judgement {
+            Judgement::Failed if self.parted().is_some() && !self.is_pressed() => {
+                ClearanceClass::Separated
+            }
             Judgement::Failed => ClearanceClass::Below,
             Judgement::Undecided | Judgement::Estimated => ClearanceClass::NotProved,
-            Judgement::Passed if self.farthest.is_none() && self.least.distance < edge => {
+            Judgement::Passed if self.touching.is_none() && self.least.distance < edge => {
                 ClearanceClass::Near
             }
             Judgement::Passed => ClearanceClass::Clear,
@@ -106,9 +129,8 @@ pub struct PairReport {
     pub judgement: Judgement,
     /// Distances at the sampled times; empty for excluded pairs.
     pub distances: Vec<f64>,
-    /// Of pairs that are meant to touch, and do so at all samples: between them they are never farther apart. How deep they
-    /// may be in each other there is the bound of `least`.
-    pub farthest: Option<f64>,
+    /// Of pairs that must touch: how far apart they come.
+    pub touching: Option<Touching>,
     /// Seconds that looking at it took.
     pub seconds: f64,
     /// By how much its bound may stay below the minimum of a pair that passes: rounding of the poses.
@@ -200,13 +222,13 @@ impl ClearanceReport {
         self.judged.first()
     }
 
-    /// Bodies that are nearer to another one than their minimum at the sampled time nearest to `time`.
+    /// Bodies that are nearer to another one than their minimum, or do not touch it although they must, at the sampled time nearest to `time`.
     pub fn offenders(&self, time: f64) -> Vec<usize> {
         let off = |k: &usize| (self.times[*k] - time).abs();
         let sample = (0..self.times.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
         let is_near = |p: &&PairReport| {
             let distance = sample.and_then(|k| p.distances.get(k));
-            distance.is_some_and(|d| *d < p.minimum) && !p.judgement.is_kept()
+            distance.is_some_and(|d| p.is_broken_at(*d)) && !p.judgement.is_kept()
         };
         let near = self.judged.iter().filter(is_near);
         let mut list: Vec<usize> = near.flat_map(|p| p.pair).collect();

@@ -17,7 +17,7 @@ use crate::kinematics::motion::continuation::{solve_motion, solve_with_ends};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::plot::chart::{Chart, SeriesStyle};
 use crate::render::RenderError;
-use crate::report::clearance::{body_names, judgement_word};
+use crate::report::clearance::{body_names, verdict_words};
 use crate::report::lengths::at_least_length;
 use crate::report::verdict::{Case, Verdict};
 use serde_json::json;
@@ -298,7 +298,10 @@ fn clearance_section(
     );
     let cells = |checked: &CheckedMotion, pair: Option<&PairReport>| match pair {
         Some(pair) => [
-            Cell::text(judgement_word(&pair.judgement)),
+            Cell::text(verdict_words(
+                pair,
+                &checked.scene.mechanism.length_unit,
+            )),
             Cell::number(decimals_of(pair.least.distance, 6)),
             match pair.known_bound().filter(|_| pair.least.is_certified) {
                 Some(bound) => {

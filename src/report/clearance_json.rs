@@ -6,6 +6,7 @@ use super::clearance::{
 use super::pieces::pieces_document;
 use super::verdict::Status;
 use crate::clearance::check::{ClearanceReport, Judgement, PairReport, Violation, Violations};
+use crate::clearance::touching::Touching;
 use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
 
@@ -38,8 +39,9 @@ pub fn to_json(
                 if let Some(violations) = &p.violations {
                     object.insert("violations".to_owned(), violations_json(violations));
                 }
-                if let Some(farthest) = p.farthest {
-                    object.insert("farthest".to_owned(), json!(farthest));
+                if let Some(touching) = &p.touching {
+                    object.insert("farthest".to_owned(), json!(p.known_farthest()));
+                    object.insert("touching".to_owned(), touching_json(p, touching));
                 }
             }
             if let Some(reason) = judgement_reason(&p.judgement) {
@@ -70,6 +72,18 @@ pub fn to_json(
         "counted": report.counted.iter().map(counted_judgement).collect::<Vec<_>>(),
         "unchecked": report.gaps,
         "warnings": report.warnings,
+    })
+}
+
+/// Where bodies that must touch are farthest apart, and whether that, or an overlap, is more than is allowed.
+fn touching_json(p: &PairReport, touching: &Touching) -> Value {
+    json!({
+        "apart": touching.apart.distance,
+        "time": touching.apart.time,
+        "points": touching.apart.points.map(|q| q.to_array()),
+        "allowed": touching.allowed,
+        "parted": p.parted().is_some(),
+        "overlaps": p.is_pressed(),
     })
 }
 
