@@ -5,7 +5,7 @@ use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 use crate::plot::chart::{Axis, Chart, EventMark, Panel, PlotSeries, Shade};
 use crate::report::clearance::pair_sentence;
-use crate::report::lengths::LengthForm;
+use crate::report::lengths::{LengthForm, distance_words};
 use crate::sorting::sort_by_number;
 
 /// Lower bound of a pair's distance over the motion; `None` where it would lie below the chart.
@@ -86,7 +86,10 @@ fn empty_panel(mechanism: &Mechanism, report: &ClearanceReport) -> Panel {
 fn pair_curve(mechanism: &Mechanism, report: &ClearanceReport, pair: &PairReport) -> PlotSeries {
     let samples = report.times.iter().zip(&pair.distances);
     let mut points: Vec<[f64; 2]> = samples.map(|(t, d)| [*t, *d]).collect();
-    let apart = pair.touching.as_ref().map(|t| [t.apart.time, t.apart.distance]);
+    let apart = pair
+        .touching
+        .as_ref()
+        .map(|t| [t.apart.time, t.apart.distance]);
     points.push([pair.least.time, pair.least.distance]);
     points.extend(apart);
     sort_by_number(&mut points, |p| p[0]);
@@ -125,17 +128,19 @@ fn dashed_note(mechanism: &Mechanism, worst: &PairReport) -> String {
 fn mark_worst(mechanism: &Mechanism, worst: &PairReport, panel: &mut Panel, chart: &mut Chart) {
     let (shown, unit) = (worst.worst_moment(), &mechanism.length_unit);
     chart.notes.push(dashed_note(mechanism, worst));
-    panel.marks.push([shown.time, shown.distance]);
+    if worst.least.has_end() {
+        panel.marks.push([shown.time, shown.distance]);
+    }
     panel.events.push(EventMark {
         x: shown.time,
-        label: format!("{} {unit}", decimals_of(shown.distance, 4)),
+        label: distance_words(shown.distance, 4, unit),
     });
     let [a, b] = worst.pair.map(|k| mechanism.bodies[k].name.as_str());
     chart.description = match worst.touching {
         Some(_) => pair_sentence(mechanism, worst),
         None => format!(
-            "{a} and {b} come nearest, {} {unit} at {} s; the minimum is {}",
-            decimals_of(shown.distance, 6),
+            "{a} and {b} come nearest, {} at {} s; the minimum is {}",
+            distance_words(shown.distance, 6, unit),
             decimals_of(shown.time, 6),
             worst.minimum
         ),

@@ -130,7 +130,8 @@ fn matrix_notes(mechanism: &Mechanism, report: &ClearanceReport, shown: usize) -
     )];
     if report.judged.iter().any(|p| p.parted().is_some()) {
         notes.push(
-            "Bodies that must touch: the largest gap where it is larger than the overlap.".to_owned(),
+            "Bodies that must touch: the largest gap where it is larger than the overlap."
+                .to_owned(),
         );
     }
     notes.extend(report.far.map(|far| {
@@ -154,6 +155,7 @@ fn matrix_notes(mechanism: &Mechanism, report: &ClearanceReport, shown: usize) -
 /// A distance in about four signs in a mechanism of this `size`.
 fn cell_text(distance: f64, size: f64) -> String {
     match distance.abs() {
+        _ if distance == f64::NEG_INFINITY => "endless".to_owned(),
         least if least < 0.01 && least > CONTACT * size => format!("{distance:.0e}"),
         least if least < 10.0 => fixed(distance, 2),
         least if least < 100.0 => fixed(distance, 1),

@@ -17,8 +17,8 @@ pub struct Moment {
     pub distance: f64,
     /// When, seconds.
     pub time: f64,
-    /// The nearest points, in the world.
-    pub points: [DVec3; 2],
+    /// The nearest points, in the world; none where two half-spaces overlap without end.
+    pub points: Option<[DVec3; 2]>,
     /// The shapes that come nearest.
     pub shapes: [usize; 2],
 }
@@ -36,12 +36,17 @@ pub struct Touching {
 }
 
 impl Least {
+    /// Whether the bodies are apart, or overlap down to some depth: half-spaces whose planes intersect have none.
+    pub fn has_end(&self) -> bool {
+        self.distance > f64::NEG_INFINITY
+    }
+
     /// The moment of the least distance.
-    pub const fn moment(&self) -> Moment {
+    pub fn moment(&self) -> Moment {
         Moment {
             distance: self.distance,
             time: self.time,
-            points: self.points,
+            points: self.has_end().then_some(self.points),
             shapes: self.shapes,
         }
     }
@@ -101,10 +106,7 @@ impl PairReport {
 }
 
 /// A pair that must touch all the time: at the sampled times to rounding, between them as near as can be proved.
-pub(super) fn judge_touching(
-    motion: &mut ProvedMotion,
-    sweep: &PairSweep,
-) -> Option<PairReport> {
+pub(super) fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairReport> {
     let scale = sweep.contact_scale(motion);
     let allowed = CONTACT * scale + sweep.pose_slack();
     // At the samples: contact means a distance of 0 to within the tolerance of poses.
@@ -132,7 +134,9 @@ pub(super) fn judge_touching(
     if is_broken && !least.is_enclosed {
         // How deep they come is of interest now; the samples may miss that.
         let searched = sweep.searched(motion);
-        least = searched.filter(|s| s.distance < least.distance).unwrap_or(least);
+        least = searched
+            .filter(|s| s.distance < least.distance)
+            .unwrap_or(least);
     }
     let judgement = match contact.is_within(AT_LEAST * scale) {
         _ if is_broken => Judgement::Failed,

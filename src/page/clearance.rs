@@ -13,7 +13,7 @@ use crate::plot::chart::Chart;
 use crate::report::clearance::{
     asked_words, body_names, judgement_reason, judgement_word, pair_sentence, verdict_words,
 };
-use crate::report::lengths::at_least_length;
+use crate::report::lengths::{at_least_length, distance_text, distance_words};
 use crate::report::sentences::counted_things;
 use crate::report::verdict::Status;
 use serde_json::{Value, json};
@@ -105,10 +105,10 @@ fn pair_row(
     let unit = &mechanism.length_unit;
     let worst = pair.worst_moment();
     marks.push(json!({
-        "points": worst.points.map(narrow_vector),
+        "points": worst.points.map(|points| points.map(narrow_vector)),
         "text": format!(
-            "{names}: {} {unit} at t = {} s.",
-            decimals_of(worst.distance, 6),
+            "{names}: {} at t = {} s.",
+            distance_words(worst.distance, 6, unit),
             decimals_of(worst.time, 6)
         ),
     }));
@@ -120,7 +120,7 @@ fn pair_row(
     vec![
         Cell::text(&names),
         Cell::State(status, verdict_words(pair, unit)),
-        Cell::number(decimals_of(least.distance, 6)),
+        Cell::number(distance_text(least.distance, 6)),
         Cell::number(decimals_of(least.time, 6)),
         Cell::number(bound),
         Cell::number(asked_words(pair, |minimum| minimum.to_string())),
@@ -166,7 +166,7 @@ fn left_out(mechanism: &Mechanism, found: &ClearanceReport) -> Table {
             Cell::text(body_names(mechanism, pair).join(" / ")),
             Cell::text(judgement_word(&pair.judgement)),
             Cell::text(judgement_reason(&pair.judgement).unwrap_or_default()),
-            Cell::number(decimals_of(pair.least.distance, 6)),
+            Cell::number(distance_text(pair.least.distance, 6)),
         ]);
     }
     let rest = found.excluded.len().saturating_sub(MOST_PAIRS);

@@ -119,7 +119,7 @@ fn nearest_words(p: &PairReport, unit: &str) -> String {
     let least = &p.least;
     let what = if least.is_enclosed {
         "lie one in the other".to_owned()
-    } else if least.distance == f64::NEG_INFINITY {
+    } else if !least.has_end() {
         "overlap without end".to_owned()
     } else if least.distance < 0.0 {
         format!("overlap by {} {unit}", gap_digits(-least.distance, p))

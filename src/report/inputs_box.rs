@@ -1,6 +1,6 @@
 //! Clearances over a box of inputs: cases of a verdict and lines for people.
 
-use super::lengths::at_least_length;
+use super::lengths::{at_least_length, distance_words};
 use super::sentences::beside_unit;
 use super::verdict::{CLEARANCE, Case, Status};
 use crate::clearance::inputs_box::{BoxPair, BoxReport, InputRange};
@@ -95,8 +95,8 @@ fn inputs_in_words(mechanism: &Mechanism, inputs: &[f64]) -> String {
 fn found_words(mechanism: &Mechanism, pair: &BoxPair) -> String {
     let unit = &mechanism.length_unit;
     let least = format!(
-        "least distance found {} {unit} at {}",
-        decimals_of(pair.distance, 6),
+        "least distance found {} at {}",
+        distance_words(pair.distance, 6, unit),
         inputs_in_words(mechanism, &pair.inputs)
     );
     match &pair.parted {

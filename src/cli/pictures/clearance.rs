@@ -16,6 +16,7 @@ use crate::model::mechanism::Mechanism;
 use crate::render::open::{RendererChoice, open_renderer};
 use crate::render::overlay::Overlay;
 use crate::report::clearance::{asked_words, body_names, verdict_words};
+use crate::report::lengths::distance_words;
 use crate::scene::Scene;
 use crate::staging::marks::{DimensionMark, Marks};
 use crate::staging::{PictureOptions, Staging};
@@ -63,7 +64,7 @@ pub fn write_worst_pair(
         measure: Some(DimensionMark {
             bodies: worst.pair,
             points: least.points,
-            text: format!("{} {unit}", decimals_of(least.distance, 3)),
+            text: distance_words(least.distance, 3, unit),
             caption: pair_caption(&scene.mechanism, worst),
             is_alarm: !worst.judgement.is_kept(),
         }),
@@ -105,8 +106,8 @@ fn pair_caption(mechanism: &Mechanism, pair: &PairReport) -> Vec<String> {
         format!("minimum {} {unit}", decimals_of(minimum, 4))
     });
     let when = format!(
-        "{} {unit} at t = {} s, {}",
-        decimals_of(shown.distance, 4),
+        "{} at t = {} s, {}",
+        distance_words(shown.distance, 4, unit),
         decimals_of(shown.time, 4),
         asked_words(pair, minimum)
     );
