@@ -133,7 +133,7 @@ fn nearest_words(p: &PairReport, unit: &str) -> String {
 fn gap_digits(distance: f64, p: &PairReport) -> String {
     match p.touching.is_some() && distance > 0.0 && distance < SMALL_GAP {
         true => format!("{distance:.3e}"),
-        false => decimals_of(distance, 6),
+        false => decimals_of(distance + 0.0, 6),
     }
 }
 
