@@ -1,14 +1,19 @@
 //! One pair of bodies: the requirements of the scene, and the result.
 
+use super::contact::{AT_LEAST, Contact};
 use super::found::{Judgement, PairReport, Violation, Violations};
 use super::joint_region::JointRegion;
 use super::motion::ProvedMotion;
 use super::neighbours::{Neighbours, joint_neighbours};
 use super::part::JudgedPart;
 use super::sweep::{Least, PairSweep};
-use super::touching::judge_touching;
+use super::touching::Touching;
 use crate::distance::bodies::BodyElements;
 use crate::model::clearance::{ClearanceRules, Ignored};
+
+/// Bodies in contact may be this far apart or overlap by this at the sampled times, on the scale of the contact and besides
+/// what poses are off: much more than rounding.
+const CONTACT: f64 = 1e-10;
 
 /// Two bodies and the requirements on them.
 pub(super) struct AskedPair<'a> {
@@ -274,6 +279,70 @@ impl<'a> AskedPair<'a> {
         let found = judge_minimum(motion, &rest, self.minimum())?;
         (found.judgement == Judgement::Passed).then(|| needless + "without it they pass")
     }
+}
+
+/// A pair that must touch all the time: at the sampled times to rounding, between them as near as can be proved.
+fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairReport> {
+    let scale = sweep.contact_scale(motion);
+    let allowed = CONTACT * scale + sweep.pose_slack();
+    // At the samples: contact means a distance of 0 to within the tolerance of poses.
+    let mut distances = Vec::new();
+    let samples = motion.samples.clone();
+    let mut least = sweep.sampled(motion, &samples, Some(&mut distances))?;
+    let far = (0..distances.len()).max_by(|j, k| distances[*j].total_cmp(&distances[*k]))?;
+    let mut apart = sweep.sampled(motion, &samples[far..=far], None)?.moment();
+    let is_deep = least.distance < -allowed || least.is_enclosed;
+    let mut is_broken = is_deep || apart.distance > allowed;
+    // Between them: the distance is enclosed over the proved motion, finely unless that changes nothing.
+    let contact = sweep.contact_over(motion, !is_broken);
+    if let Some(between) = broken_between(motion, sweep, &contact) {
+        is_broken = true;
+        if between.distance > apart.distance {
+            apart = between.moment();
+        }
+        if between.distance < least.distance || between.is_enclosed {
+            least = between;
+        }
+    }
+    if is_broken && !least.is_enclosed {
+        least = deeper(motion, sweep, least);
+    }
+    let judgement = match contact.is_within(AT_LEAST * scale) {
+        _ if is_broken => Judgement::Failed,
+        true => Judgement::kept(contact.is_certified),
+        false => Judgement::Undecided,
+    };
+    let lowest = contact.low.min(sweep.lowest_alone(motion));
+    least.bound = sweep.told(lowest.min(least.distance));
+    least.is_certified = contact.is_certified;
+    let touching = Touching {
+        apart,
+        farthest: contact.high.max(apart.distance),
+        allowed,
+    };
+    Some(PairReport {
+        touching: Some(touching),
+        distances,
+        ..PairReport::of(sweep, 0.0, least, judgement)
+    })
+}
+
+/// A pose between the samples at which bodies in contact provably are too far from touching.
+fn broken_between(
+    motion: &mut ProvedMotion,
+    sweep: &PairSweep,
+    contact: &Contact,
+) -> Option<Least> {
+    let (stretch, s) = contact.broken?;
+    let instant = motion.pose_at(stretch, s)?;
+    sweep.sampled(motion, &[instant], None)
+}
+
+/// How deep two bodies come, which the samples may miss.
+fn deeper(motion: &mut ProvedMotion, sweep: &PairSweep, least: Least) -> Least {
+    let searched = sweep.searched(motion);
+    let lower = searched.filter(|found| found.distance < least.distance);
+    lower.unwrap_or(least)
 }
 
 /// The least distance and the times of violations are looked for apart: what either has seen counts for both.

@@ -2,7 +2,7 @@
 
 use super::part::{JudgedPart, PieceClearance, PieceReport};
 use super::sweep::{Least, PairSweep};
-use super::touching::Touching;
+use super::touching::{Moment, Touching};
 pub use super::violations::{Violation, Violations};
 
 /// How a pair was judged.
@@ -139,6 +139,59 @@ pub struct PairReport {
     pub violations: Option<Violations>,
     /// Of neighbours: the pairs of shapes that are left out around the joint.
     pub left_out: Vec<[usize; 2]>,
+}
+
+impl PairReport {
+    /// Where bodies that must touch are too far apart, if they are.
+    pub fn parted(&self) -> Option<Moment> {
+        let touching = self.touching.as_ref()?;
+        Some(touching.apart).filter(|apart| apart.distance > touching.allowed)
+    }
+
+    /// Whether bodies that must touch overlap by more than is allowed, or lie one in the other.
+    pub fn is_pressed(&self) -> bool {
+        let is_deep = |t: &Touching| self.least.distance < -t.allowed || self.least.is_enclosed;
+        self.touching.as_ref().is_some_and(is_deep)
+    }
+
+    /// The upper bound of the distance of bodies that must touch; nothing if it is unknown.
+    pub fn known_farthest(&self) -> Option<f64> {
+        let farthest = self.touching.as_ref().map(|t| t.farthest);
+        farthest.filter(|farthest| farthest.is_finite())
+    }
+
+    /// What to look at: the nearest pose, or the one at which bodies that must touch are farther apart than they overlap.
+    pub fn worst_moment(&self) -> Moment {
+        let farther = |apart: &Moment| apart.distance > -self.least.distance;
+        let parted = self.parted().filter(farther);
+        parted.unwrap_or_else(|| self.least.moment())
+    }
+
+    /// By how much it keeps what is asked of it, as found; negative if it does not. Bodies that must touch are never better than
+    /// zero.
+    pub fn margin(&self) -> f64 {
+        match &self.touching {
+            Some(touching) => -f64::max(touching.apart.distance, -self.least.distance),
+            None => self.least.distance - self.minimum,
+        }
+    }
+
+    /// The same, as far as it is proved.
+    pub fn proved_margin(&self) -> Option<f64> {
+        let bound = self.known_bound().filter(|_| self.least.is_certified)?;
+        match &self.touching {
+            Some(_) => Some(-f64::max(self.known_farthest()?, -bound)),
+            None => Some(bound - self.minimum),
+        }
+    }
+
+    /// Whether the pair does not have what is asked of it at this distance.
+    pub fn is_broken_at(&self, distance: f64) -> bool {
+        match &self.touching {
+            Some(touching) => distance.abs() > touching.allowed,
+            None => distance < self.minimum,
+        }
+    }
 }
 
 /// Pairs of bodies that were not examined one by one, since their swept volumes stay apart.
