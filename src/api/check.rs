@@ -55,7 +55,9 @@ pub struct PairClearance {
     pub bound: f64,
     /// Whether the bound is proved for the whole motion.
     pub is_proved: bool,
-    /// Whether it is proved that the pair keeps its minimum.
+    /// Of bodies that must touch: the largest distance found; nothing of other pairs.
+    pub apart: Option<f64>,
+    /// Whether it is proved that the pair keeps its minimum, or touches all the time if it must.
     pub passed: bool,
 }
 
@@ -224,6 +226,7 @@ fn pairs(loaded: &Loaded, found: &ClearanceReport) -> Vec<PairClearance> {
         time: p.least.time,
         bound: p.known_bound().unwrap_or(f64::NEG_INFINITY),
         is_proved: p.least.is_certified,
+        apart: p.touching.as_ref().map(|t| t.apart.distance),
         passed: p.judgement.is_kept() && p.least.is_certified,
     };
     found.judged.iter().map(pair).collect()

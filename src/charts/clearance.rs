@@ -4,7 +4,8 @@ use crate::clearance::check::{ClearanceReport, PairReport};
 use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 use crate::plot::chart::{Axis, Chart, EventMark, Panel, PlotSeries, Shade};
-use crate::report::lengths::LengthForm;
+use crate::report::clearance::pair_sentence;
+use crate::report::lengths::{LengthForm, distance_words};
 use crate::sorting::sort_by_number;
 
 /// Lower bound of a pair's distance over the motion; `None` where it would lie below the chart.
@@ -85,7 +86,12 @@ fn empty_panel(mechanism: &Mechanism, report: &ClearanceReport) -> Panel {
 fn pair_curve(mechanism: &Mechanism, report: &ClearanceReport, pair: &PairReport) -> PlotSeries {
     let samples = report.times.iter().zip(&pair.distances);
     let mut points: Vec<[f64; 2]> = samples.map(|(t, d)| [*t, *d]).collect();
+    let apart = pair
+        .touching
+        .as_ref()
+        .map(|t| [t.apart.time, t.apart.distance]);
     points.push([pair.least.time, pair.least.distance]);
+    points.extend(apart);
     sort_by_number(&mut points, |p| p[0]);
     PlotSeries {
         name: pair_name(mechanism, pair),
@@ -94,10 +100,13 @@ fn pair_curve(mechanism: &Mechanism, report: &ClearanceReport, pair: &PairReport
     }
 }
 
-/// The worst moment in the chart, in its notes and in its description.
-fn mark_worst(mechanism: &Mechanism, worst: &PairReport, panel: &mut Panel, chart: &mut Chart) {
+/// What the dashed lines are.
+fn dashed_note(mechanism: &Mechanism, worst: &PairReport) -> String {
     let (least, unit) = (&worst.least, &mechanism.length_unit);
     let (pair, minimum) = (pair_name(mechanism, worst), worst.minimum);
+    if worst.touching.is_some() {
+        return format!("{pair} must touch: their distance has to stay 0");
+    }
     let how = match least.is_certified {
         true => "proved",
         false => "estimated",
@@ -112,18 +121,28 @@ fn mark_worst(mechanism: &Mechanism, worst: &PairReport, panel: &mut Panel, char
             format!("never below {} {unit} ({how})", form.at_least(bound))
         },
     );
-    chart.notes.push(format!(
-        "dashed: the required minimum, {minimum}, and the bound of {pair}, {known}"
-    ));
-    panel.marks.push([least.time, least.distance]);
+    format!("dashed: the required minimum, {minimum}, and the bound of {pair}, {known}")
+}
+
+/// The worst moment in the chart, in its notes and in its description.
+fn mark_worst(mechanism: &Mechanism, worst: &PairReport, panel: &mut Panel, chart: &mut Chart) {
+    let (shown, unit) = (worst.worst_moment(), &mechanism.length_unit);
+    chart.notes.push(dashed_note(mechanism, worst));
+    if worst.least.has_end() {
+        panel.marks.push([shown.time, shown.distance]);
+    }
     panel.events.push(EventMark {
-        x: least.time,
-        label: format!("{} {unit}", decimals_of(least.distance, 4)),
+        x: shown.time,
+        label: distance_words(shown.distance, 4, unit),
     });
     let [a, b] = worst.pair.map(|k| mechanism.bodies[k].name.as_str());
-    chart.description = format!(
-        "{a} and {b} come nearest, {} {unit} at {} s; the minimum is {minimum}",
-        decimals_of(least.distance, 6),
-        decimals_of(least.time, 6)
-    );
+    chart.description = match worst.touching {
+        Some(_) => pair_sentence(mechanism, worst),
+        None => format!(
+            "{a} and {b} come nearest, {} at {} s; the minimum is {}",
+            distance_words(shown.distance, 6, unit),
+            decimals_of(shown.time, 6),
+            worst.minimum
+        ),
+    };
 }

@@ -13,8 +13,9 @@ use std::collections::HashMap;
 const MOST_BODIES: usize = 100;
 
 /// Every class with its colour, the worst first. The colours remain distinguishable with colour-vision deficiency.
-const CLASSES: [(ClearanceClass, Colour); 5] = [
+const CLASSES: [(ClearanceClass, Colour); 6] = [
     (ClearanceClass::Below, [0xd5, 0x5e, 0x00, 255]),
+    (ClearanceClass::Separated, [0x00, 0x72, 0xb2, 255]),
     (ClearanceClass::NotProved, [0xcc, 0x79, 0xa7, 255]),
     (ClearanceClass::Near, [0xf0, 0xd0, 0x60, 255]),
     (ClearanceClass::Clear, [0x8f, 0xc8, 0xe8, 255]),
@@ -44,7 +45,7 @@ pub fn clearance_matrix(
         Some(MatrixCell {
             place: [a.max(b), a.min(b)],
             fill: class_colour(pair.class(band)),
-            text: cell_text(pair.least.distance, mechanism.size),
+            text: cell_text(pair.worst_moment().distance, mechanism.size),
         })
     };
     // A pair that is checked except for the shapes at its joint is shown as checked.
@@ -64,9 +65,7 @@ pub fn clearance_matrix(
         description: format!("Least distances of {} bodies, each with each", shown.len()),
         names: shown.iter().map(name).collect(),
         cells,
-        legend: CLASSES
-            .map(|(class, colour)| (colour, class_legend(report, class, band)))
-            .into(),
+        legend: class_legends(report, band),
         notes: matrix_notes(mechanism, report, shown.len()),
     }
 }
@@ -95,7 +94,18 @@ fn judged_bodies(mechanism: &Mechanism, report: &ClearanceReport) -> Vec<usize> 
     shown
 }
 
-fn class_legend(report: &ClearanceReport, class: ClearanceClass, band: Option<f64>) -> String {
+/// Every class with its number of pairs; separated pairs are rare, and named only if there are any.
+fn class_legends(report: &ClearanceReport, band: Option<f64>) -> Vec<(Colour, String)> {
+    let counted = CLASSES.map(|(class, colour)| (class, colour, class_count(report, class, band)));
+    let shown = counted
+        .iter()
+        .filter(|(class, _, count)| *class != ClearanceClass::Separated || *count > 0);
+    shown
+        .map(|(class, colour, count)| (*colour, format!("{count} {}", class.word())))
+        .collect()
+}
+
+fn class_count(report: &ClearanceReport, class: ClearanceClass, band: Option<f64>) -> usize {
     let pairs = report.judged.iter().chain(&report.excluded);
     let listed = pairs.filter(|p| p.class(band) == class).count();
     let rest: usize = match class {
@@ -110,7 +120,7 @@ fn class_legend(report: &ClearanceReport, class: ClearanceClass, band: Option<f6
             .map_or(0, |far| far.count),
         _ => 0,
     };
-    format!("{} {}", listed + rest, class.word())
+    listed + rest
 }
 
 fn matrix_notes(mechanism: &Mechanism, report: &ClearanceReport, shown: usize) -> Vec<String> {
@@ -118,6 +128,12 @@ fn matrix_notes(mechanism: &Mechanism, report: &ClearanceReport, shown: usize) -
     let mut notes = vec![format!(
         "Least distances over the motion in {unit}, column by number; negative ones are depths."
     )];
+    if report.judged.iter().any(|p| p.parted().is_some()) {
+        notes.push(
+            "Bodies that must touch: the largest gap where it is larger than the overlap."
+                .to_owned(),
+        );
+    }
     notes.extend(report.far.map(|far| {
         format!(
             "Empty cells: {} pairs that stay at least {} {unit} apart, and pairs that are not looked at.",
@@ -139,6 +155,7 @@ fn matrix_notes(mechanism: &Mechanism, report: &ClearanceReport, shown: usize) -
 /// A distance in about four signs in a mechanism of this `size`.
 fn cell_text(distance: f64, size: f64) -> String {
     match distance.abs() {
+        _ if distance == f64::NEG_INFINITY => "endless".to_owned(),
         least if least < 0.01 && least > CONTACT * size => format!("{distance:.0e}"),
         least if least < 10.0 => fixed(distance, 2),
         least if least < 100.0 => fixed(distance, 1),

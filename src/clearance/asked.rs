@@ -1,12 +1,13 @@
 //! One pair of bodies: the requirements of the scene, and the result.
 
-use super::contact::AT_LEAST;
+use super::contact::{AT_LEAST, Contact};
 use super::found::{Judgement, PairReport, Violation, Violations};
 use super::joint_region::JointRegion;
 use super::motion::ProvedMotion;
 use super::neighbours::{Neighbours, joint_neighbours};
 use super::part::JudgedPart;
 use super::sweep::{Least, PairSweep};
+use super::touching::Touching;
 use crate::distance::bodies::BodyElements;
 use crate::model::clearance::{ClearanceRules, Ignored};
 
@@ -88,7 +89,7 @@ impl<'a> AskedPair<'a> {
                 let judgement = Judgement::Neighbours(Neighbours::Rigid.words());
                 let first = motion.samples.first().copied();
                 let least = first.and_then(|k| whole.sampled(motion, &[k], None));
-                let report = least.map(|least| excluded_report(&whole, minimum, least, judgement));
+                let report = least.map(|least| PairReport::of(&whole, minimum, least, judgement));
                 found.excluded.extend(report);
             }
             Some(Neighbours::Joined { words, region }) => {
@@ -146,16 +147,16 @@ impl<'a> AskedPair<'a> {
                 false => None,
             };
             if let Some(cut) = cut {
-                let report = excluded_report(&only, 0.0, cut, Judgement::Failed);
+                let report = PairReport::of(&only, 0.0, cut, Judgement::Failed);
                 found.judged.push(report);
                 continue;
             }
             match least.distance < allowed {
                 true => {
-                    let report = excluded_report(&only, allowed, least, Judgement::Failed);
+                    let report = PairReport::of(&only, allowed, least, Judgement::Failed);
                     found.judged.push(report);
                 }
-                false => kept.push(excluded_report(
+                false => kept.push(PairReport::of(
                     &only,
                     self.minimum(),
                     least,
@@ -224,7 +225,7 @@ impl<'a> AskedPair<'a> {
         }
         let judgement = Judgement::Ignored(ignored.reason.clone());
         let least = out.searched(motion);
-        let report = least.map(|least| excluded_report(&out, minimum, least, judgement));
+        let report = least.map(|least| PairReport::of(&out, minimum, least, judgement));
         found.excluded.extend(report);
         let is_all = ignored.shapes.is_empty() && ignored.down_to.is_none();
         if is_all && !ignored.is_one_of_many {
@@ -280,81 +281,68 @@ impl<'a> AskedPair<'a> {
     }
 }
 
-/// The report of a pair that is not judged.
-fn excluded_report(
-    sweep: &PairSweep,
-    minimum: f64,
-    least: Least,
-    judgement: Judgement,
-) -> PairReport {
-    PairReport {
-        pair: sweep.bodies(),
-        minimum,
-        least,
-        judgement,
-        distances: Vec::new(),
-        farthest: None,
-        seconds: 0.0,
-        slack: sweep.slack(),
-        violations: None,
-        left_out: Vec::new(),
-    }
-}
-
-/// A pair that must touch all the time: at the sampled times to rounding, between them as near as can be proved. What is
-/// reported is where it is farthest from touching.
+/// A pair that must touch all the time: at the sampled times to rounding, between them as near as can be proved.
 fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairReport> {
     let scale = sweep.contact_scale(motion);
+    let allowed = CONTACT * scale + sweep.pose_slack();
     // At the samples: contact means a distance of 0 to within the tolerance of poses.
     let mut distances = Vec::new();
     let samples = motion.samples.clone();
-    sweep.sampled(motion, &samples, Some(&mut distances))?;
-    let off = |k: &usize| distances[*k].abs();
-    let worst = (0..distances.len()).max_by(|j, k| off(j).total_cmp(&off(k)))?;
-    let mut least = sweep.sampled(motion, &samples[worst..=worst], None)?;
-    if least.distance.abs() > CONTACT * scale + sweep.pose_slack() {
-        least.bound = distances.iter().copied().fold(f64::INFINITY, f64::min);
-        return Some(PairReport {
-            pair: sweep.bodies(),
-            minimum: 0.0,
-            farthest: None,
-            least,
-            judgement: Judgement::Failed,
-            distances,
-            seconds: 0.0,
-            slack: sweep.slack(),
-            violations: None,
-            left_out: Vec::new(),
-        });
+    let mut least = sweep.sampled(motion, &samples, Some(&mut distances))?;
+    let far = (0..distances.len()).max_by(|j, k| distances[*j].total_cmp(&distances[*k]))?;
+    let mut apart = sweep.sampled(motion, &samples[far..=far], None)?.moment();
+    let is_deep = least.distance < -allowed || least.is_enclosed;
+    let mut is_broken = is_deep || apart.distance > allowed;
+    // Between them: the distance is enclosed over the proved motion, finely unless that changes nothing.
+    let contact = sweep.contact_over(motion, !is_broken);
+    if let Some(between) = broken_between(motion, sweep, &contact) {
+        is_broken = true;
+        if between.distance > apart.distance {
+            apart = between.moment();
+        }
+        if between.distance < least.distance || between.is_enclosed {
+            least = between;
+        }
     }
-    // Between them: the distance is enclosed over the proved motion.
-    let contact = sweep.contact_over(motion);
-    let mut judgement = if contact.is_within(AT_LEAST * scale) {
-        Judgement::kept(contact.is_certified)
-    } else {
-        Judgement::Undecided
+    if is_broken && !least.is_enclosed {
+        least = deeper(motion, sweep, least);
+    }
+    let judgement = match contact.is_within(AT_LEAST * scale) {
+        _ if is_broken => Judgement::Failed,
+        true => Judgement::kept(contact.is_certified),
+        false => Judgement::Undecided,
     };
-    if let Some((stretch, s)) = contact.broken
-        && let Some(instant) = motion.pose_at(stretch, s)
-        && let Some(between) = sweep.sampled(motion, &[instant], None)
-    {
-        (least, judgement) = (between, Judgement::Failed);
-    }
     let lowest = contact.low.min(sweep.lowest_alone(motion));
     least.bound = sweep.told(lowest.min(least.distance));
     least.is_certified = contact.is_certified;
+    let touching = Touching {
+        apart,
+        farthest: contact.high.max(apart.distance),
+        allowed,
+    };
     Some(PairReport {
-        pair: sweep.bodies(),
-        minimum: 0.0,
-        farthest: Some(contact.high.max(least.distance)),
-        least,
-        judgement,
+        touching: Some(touching),
         distances,
-        seconds: 0.0,
-        slack: sweep.slack(),
-        violations: None,
-        left_out: Vec::new(),
+        ..PairReport::of(sweep, 0.0, least, judgement)
     })
+}
+
+/// A pose between the samples at which bodies in contact provably are too far from touching.
+fn broken_between(
+    motion: &mut ProvedMotion,
+    sweep: &PairSweep,
+    contact: &Contact,
+) -> Option<Least> {
+    let (stretch, s) = contact.broken?;
+    let instant = motion.pose_at(stretch, s)?;
+    sweep.sampled(motion, &[instant], None)
+}
+
+/// How deep two bodies come, which the samples may miss.
+fn deeper(motion: &mut ProvedMotion, sweep: &PairSweep, least: Least) -> Least {
+    let searched = sweep.searched(motion);
+    let lower = searched.filter(|found| found.distance < least.distance);
+    lower.unwrap_or(least)
 }
 
 /// The least distance and the times of violations are looked for apart: what either has seen counts for both.
@@ -414,15 +402,7 @@ fn judge_minimum(motion: &mut ProvedMotion, sweep: &PairSweep, minimum: f64) -> 
         Judgement::Undecided
     };
     Some(PairReport {
-        pair: sweep.bodies(),
-        minimum,
-        least,
-        judgement,
         distances,
-        farthest: None,
-        seconds: 0.0,
-        slack: sweep.slack(),
-        violations: None,
-        left_out: Vec::new(),
+        ..PairReport::of(sweep, minimum, least, judgement)
     })
 }

@@ -250,7 +250,7 @@ fn sort_report(report: &mut ClearanceReport) {
         Judgement::Estimated => 2,
         _ => 3,
     };
-    let spare = |p: &PairReport| p.least.distance - p.minimum;
+    let spare = PairReport::margin;
     sort_by(&mut report.judged, |p, q| {
         rank(p).cmp(&rank(q)).then(spare(p).total_cmp(&spare(q)))
     });

@@ -87,8 +87,9 @@ impl PairSweep<'_> {
     }
 
     /// Between which distances two bodies stay that touch at the samples: of their nearest points at many instants, how
-    /// far apart or how deep they can come until the next. Pieces of time are halved until that is near enough.
-    pub fn contact_over(&self, motion: &mut ProvedMotion) -> Contact {
+    /// far apart or how deep they can come until the next. Pieces of time are halved until that is near enough, if it is to be
+    /// known `finely`.
+    pub fn contact_over(&self, motion: &mut ProvedMotion, finely: bool) -> Contact {
         let size = self.contact_scale(motion);
         let (allowed, slack) = (BETWEEN_SAMPLES * size, self.pose_slack());
         let mut contact = Contact {
@@ -124,7 +125,8 @@ impl PairSweep<'_> {
                     HALVINGS
                 };
                 // Within the requested limits, or halved often enough.
-                let ends = looks >= MOST_LOOKS || contact.broken.is_some() || is_late;
+                let is_broken = contact.broken.is_some();
+                let ends = looks >= MOST_LOOKS || is_broken || is_late || !finely;
                 let is_settled = is_within(allowed) || depth >= most + longer || ends;
                 let look = BoundGoal {
                     asked: low,

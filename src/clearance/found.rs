@@ -1,7 +1,8 @@
 //! The result of a clearance check: pairs with their distances and judgements, and a summary of all others.
 
 use super::part::{JudgedPart, PieceClearance, PieceReport};
-use super::sweep::Least;
+use super::sweep::{Least, PairSweep};
+use super::touching::{Moment, Touching};
 pub use super::violations::{Violation, Violations};
 
 /// How a pair was judged.
@@ -41,6 +42,8 @@ impl Judgement {
 pub enum ClearanceClass {
     /// Nearer than its minimum.
     Below,
+    /// It must touch, and does not always; it never overlaps by more than is allowed.
+    Separated,
     /// Perhaps: the bound is below the minimum, or an estimate.
     NotProved,
     /// It keeps its minimum, but not by much.
@@ -56,6 +59,7 @@ impl ClearanceClass {
     pub const fn word(self) -> &'static str {
         match self {
             Self::Below => "below",
+            Self::Separated => "separated",
             Self::NotProved => "not proved",
             Self::Near => "near",
             Self::Clear => "clear",
@@ -65,6 +69,22 @@ impl ClearanceClass {
 }
 
 impl PairReport {
+    /// The report of a pair with this least distance; the rest is added by whoever looks for it.
+    pub(super) fn of(sweep: &PairSweep, minimum: f64, least: Least, judgement: Judgement) -> Self {
+        Self {
+            pair: sweep.bodies(),
+            minimum,
+            least,
+            judgement,
+            distances: Vec::new(),
+            touching: None,
+            seconds: 0.0,
+            slack: sweep.slack(),
+            violations: None,
+            left_out: Vec::new(),
+        }
+    }
+
     /// For a pair that may overlap down to its minimum: whether it may be deeper. Depths have no certificate.
     pub(super) fn is_deeper(&self) -> bool {
         matches!(self.judgement, Judgement::Failed | Judgement::Undecided)
@@ -73,7 +93,7 @@ impl PairReport {
     /// The lower bound of its distance; nothing if it is unknown, or if the bodies overlap: a depth is a
     /// measure of an overlap, not a bound. Bodies in contact may be that deep between the samples.
     pub fn known_bound(&self) -> Option<f64> {
-        let is_apart = self.farthest.is_some() || self.least.distance >= -self.slack;
+        let is_apart = self.touching.is_some() || self.least.distance >= -self.slack;
         Some(self.least.bound).filter(|bound| is_apart && bound.is_finite())
     }
 
@@ -82,9 +102,12 @@ impl PairReport {
     pub fn class(&self, band: Option<f64>) -> ClearanceClass {
         let edge = self.minimum + band.unwrap_or(self.minimum);
         match self.judgement {
+            Judgement::Failed if self.parted().is_some() && !self.is_pressed() => {
+                ClearanceClass::Separated
+            }
             Judgement::Failed => ClearanceClass::Below,
             Judgement::Undecided | Judgement::Estimated => ClearanceClass::NotProved,
-            Judgement::Passed if self.farthest.is_none() && self.least.distance < edge => {
+            Judgement::Passed if self.touching.is_none() && self.least.distance < edge => {
                 ClearanceClass::Near
             }
             Judgement::Passed => ClearanceClass::Clear,
@@ -106,9 +129,8 @@ pub struct PairReport {
     pub judgement: Judgement,
     /// Distances at the sampled times; empty for excluded pairs.
     pub distances: Vec<f64>,
-    /// Of pairs that are meant to touch, and do so at all samples: between them they are never farther apart. How deep they
-    /// may be in each other there is the bound of `least`.
-    pub farthest: Option<f64>,
+    /// Of pairs that must touch: how far apart they come.
+    pub touching: Option<Touching>,
     /// Seconds that looking at it took.
     pub seconds: f64,
     /// By how much its bound may stay below the minimum of a pair that passes: rounding of the poses.
@@ -117,6 +139,59 @@ pub struct PairReport {
     pub violations: Option<Violations>,
     /// Of neighbours: the pairs of shapes that are left out around the joint.
     pub left_out: Vec<[usize; 2]>,
+}
+
+impl PairReport {
+    /// Where bodies that must touch are too far apart, if they are.
+    pub fn parted(&self) -> Option<Moment> {
+        let touching = self.touching.as_ref()?;
+        Some(touching.apart).filter(|apart| apart.distance > touching.allowed)
+    }
+
+    /// Whether bodies that must touch overlap by more than is allowed, or lie one in the other.
+    pub fn is_pressed(&self) -> bool {
+        let is_deep = |t: &Touching| self.least.distance < -t.allowed || self.least.is_enclosed;
+        self.touching.as_ref().is_some_and(is_deep)
+    }
+
+    /// The upper bound of the distance of bodies that must touch; nothing if it is unknown.
+    pub fn known_farthest(&self) -> Option<f64> {
+        let farthest = self.touching.as_ref().map(|t| t.farthest);
+        farthest.filter(|farthest| farthest.is_finite())
+    }
+
+    /// What to look at: the nearest pose, or the one at which bodies that must touch are farther apart than they overlap.
+    pub fn worst_moment(&self) -> Moment {
+        let farther = |apart: &Moment| apart.distance > -self.least.distance;
+        let parted = self.parted().filter(farther);
+        parted.unwrap_or_else(|| self.least.moment())
+    }
+
+    /// By how much it keeps what is asked of it, as found; negative if it does not. Bodies that must touch are never better than
+    /// zero.
+    pub fn margin(&self) -> f64 {
+        match &self.touching {
+            Some(touching) => -f64::max(touching.apart.distance, -self.least.distance),
+            None => self.least.distance - self.minimum,
+        }
+    }
+
+    /// The same, as far as it is proved.
+    pub fn proved_margin(&self) -> Option<f64> {
+        let bound = self.known_bound().filter(|_| self.least.is_certified)?;
+        match &self.touching {
+            Some(_) => Some(-f64::max(self.known_farthest()?, -bound)),
+            None => Some(bound - self.minimum),
+        }
+    }
+
+    /// Whether the pair does not have what is asked of it at this distance.
+    pub fn is_broken_at(&self, distance: f64) -> bool {
+        match &self.touching {
+            Some(touching) => distance.abs() > touching.allowed,
+            None => distance < self.minimum,
+        }
+    }
 }
 
 /// Pairs of bodies that were not examined one by one, since their swept volumes stay apart.
@@ -200,13 +275,13 @@ impl ClearanceReport {
         self.judged.first()
     }
 
-    /// Bodies that are nearer to another one than their minimum at the sampled time nearest to `time`.
+    /// Bodies that are nearer to another one than their minimum, or do not touch it although they must, at the sampled time nearest to `time`.
     pub fn offenders(&self, time: f64) -> Vec<usize> {
         let off = |k: &usize| (self.times[*k] - time).abs();
         let sample = (0..self.times.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
         let is_near = |p: &&PairReport| {
             let distance = sample.and_then(|k| p.distances.get(k));
-            distance.is_some_and(|d| *d < p.minimum) && !p.judgement.is_kept()
+            distance.is_some_and(|d| p.is_broken_at(*d)) && !p.judgement.is_kept()
         };
         let near = self.judged.iter().filter(is_near);
         let mut list: Vec<usize> = near.flat_map(|p| p.pair).collect();

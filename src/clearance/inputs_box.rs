@@ -51,6 +51,10 @@ pub struct BoxPair {
     pub distance: f64,
     /// ... and the inputs there.
     pub inputs: Vec<f64>,
+    /// Whether they must touch, everywhere.
+    pub must_touch: bool,
+    /// Where bodies that must touch were found farthest apart, and too far: the distance and the inputs there.
+    pub parted: Option<(f64, Vec<f64>)>,
     /// Lower bound over the covered part of the box; minus infinity if unknown.
     pub bound: f64,
     /// A pose of the box breaks the minimum.
@@ -289,6 +293,8 @@ impl BoxReport {
                 minimum: pair.minimum,
                 distance: f64::INFINITY,
                 inputs: Vec::new(),
+                must_touch: pair.touching.is_some(),
+                parted: None,
                 bound: f64::INFINITY,
                 is_broken: false,
                 uncovered: Vec::new(),
@@ -299,6 +305,10 @@ impl BoxReport {
         if pair.least.distance < known.distance {
             known.distance = pair.least.distance;
             known.inputs = along.inputs_at(pair.least.time);
+        }
+        let farthest = known.parted.as_ref().map_or(0.0, |(distance, _)| *distance);
+        if let Some(apart) = pair.parted().filter(|apart| apart.distance > farthest) {
+            known.parted = Some((apart.distance, along.inputs_at(apart.time)));
         }
         known
     }

@@ -39,6 +39,7 @@ mod slab;
 pub mod sweep;
 pub mod sweep_and_prune;
 pub mod swept;
+pub mod touching;
 mod track;
 mod undefined;
 mod violations;

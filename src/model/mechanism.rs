@@ -6,7 +6,7 @@ use super::dimension::PhysicalDimension;
 use super::distance::Distance;
 use super::expression::Expression;
 use super::joints::Joints;
-use super::rate::RatedFormula;
+use super::rate::{MAX_ORDER, RatedFormula};
 use super::shape::Shape;
 use crate::numbers::constant::Constant;
 use glam::DVec3;
@@ -343,22 +343,20 @@ impl Mechanism {
             .unwrap_or([self.size; 2])
     }
 
-    /// Which outputs have first derivatives: distances, and formulas of coordinates, points and other such outputs. Those of formulas
-    /// that contain rates themselves are not computed.
-    pub fn differentiable_outputs(&self) -> Vec<bool> {
+    /// Up to which order the rates of outputs are computed: none of formulas that contain rates themselves, the first of distances,
+    /// and as many of a formula as of the outputs it uses.
+    pub fn output_rate_orders(&self) -> Vec<usize> {
         let first = self.coordinate_count() + 3 * self.traces.len();
-        let mut known: Vec<bool> = Vec::with_capacity(self.outputs.len());
+        let mut known: Vec<usize> = Vec::with_capacity(self.outputs.len());
         for output in &self.outputs {
             known.push(match &output.source {
                 OutputSource::Formula(formula) => {
-                    let mut earlier = formula
-                        .slots()
-                        .into_iter()
-                        .filter_map(|s| s.checked_sub(first));
-                    earlier.all(|k| known.get(k) == Some(&true))
+                    let slots = formula.slots().into_iter();
+                    let earlier = slots.filter_map(|s| known.get(s.checked_sub(first)?).copied());
+                    earlier.fold(MAX_ORDER, usize::min)
                 }
-                OutputSource::Distance(_) => true,
-                OutputSource::Rated(_) => false,
+                OutputSource::Distance(_) => 1,
+                OutputSource::Rated(_) => 0,
             });
         }
         known

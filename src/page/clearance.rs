@@ -10,8 +10,10 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::narrow_vector;
 use crate::model::mechanism::Mechanism;
 use crate::plot::chart::Chart;
-use crate::report::clearance::{body_names, judgement_reason, judgement_word, pair_sentence};
-use crate::report::lengths::at_least_length;
+use crate::report::clearance::{
+    asked_words, body_names, judgement_reason, judgement_word, pair_sentence, verdict_words,
+};
+use crate::report::lengths::{at_least_length, distance_text, distance_words};
 use crate::report::sentences::counted_things;
 use crate::report::verdict::Status;
 use serde_json::{Value, json};
@@ -101,26 +103,27 @@ fn pair_row(
         },
     );
     let unit = &mechanism.length_unit;
+    let worst = pair.worst_moment();
     marks.push(json!({
-        "points": least.points.map(narrow_vector),
+        "points": worst.points.map(|points| points.map(narrow_vector)),
         "text": format!(
-            "{names}: {} {unit} at t = {} s.",
-            decimals_of(least.distance, 6),
-            decimals_of(least.time, 6)
+            "{names}: {} at t = {} s.",
+            distance_words(worst.distance, 6, unit),
+            decimals_of(worst.time, 6)
         ),
     }));
     let show = Cell::Show {
-        frame: nearest_frame(shown, least.time),
+        frame: nearest_frame(shown, worst.time),
         mark: Some(marks.len() - 1),
         about: format!("the worst moment of {names}"),
     };
     vec![
         Cell::text(&names),
-        Cell::State(status, judgement_word(&pair.judgement).to_owned()),
-        Cell::number(decimals_of(least.distance, 6)),
+        Cell::State(status, verdict_words(pair, unit)),
+        Cell::number(distance_text(least.distance, 6)),
         Cell::number(decimals_of(least.time, 6)),
         Cell::number(bound),
-        Cell::number(format!("{}", pair.minimum)),
+        Cell::number(asked_words(pair, |minimum| minimum.to_string())),
         show,
     ]
 }
@@ -163,7 +166,7 @@ fn left_out(mechanism: &Mechanism, found: &ClearanceReport) -> Table {
             Cell::text(body_names(mechanism, pair).join(" / ")),
             Cell::text(judgement_word(&pair.judgement)),
             Cell::text(judgement_reason(&pair.judgement).unwrap_or_default()),
-            Cell::number(decimals_of(pair.least.distance, 6)),
+            Cell::number(distance_text(pair.least.distance, 6)),
         ]);
     }
     let rest = found.excluded.len().saturating_sub(MOST_PAIRS);

@@ -17,8 +17,8 @@ use crate::kinematics::motion::continuation::{solve_motion, solve_with_ends};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::plot::chart::{Chart, SeriesStyle};
 use crate::render::RenderError;
-use crate::report::clearance::{body_names, judgement_word};
-use crate::report::lengths::at_least_length;
+use crate::report::clearance::{body_names, verdict_words};
+use crate::report::lengths::{at_least_length, distance_text};
 use crate::report::verdict::{Case, Verdict};
 use serde_json::json;
 
@@ -298,8 +298,8 @@ fn clearance_section(
     );
     let cells = |checked: &CheckedMotion, pair: Option<&PairReport>| match pair {
         Some(pair) => [
-            Cell::text(judgement_word(&pair.judgement)),
-            Cell::number(decimals_of(pair.least.distance, 6)),
+            Cell::text(verdict_words(pair, &checked.scene.mechanism.length_unit)),
+            Cell::number(distance_text(pair.least.distance, 6)),
             match pair.known_bound().filter(|_| pair.least.is_certified) {
                 Some(bound) => {
                     let size = checked.scene.mechanism.size;
@@ -328,7 +328,9 @@ fn clearance_section(
         let mut row = vec![Cell::text(names(new, pair).join(" / "))];
         row.extend(cells(old, was));
         row.extend(cells(new, Some(pair)));
+        // Two overlaps without end do not differ by a number.
         let change = was.map(|was| pair.least.distance - was.least.distance);
+        let change = change.filter(|change| change.is_finite());
         row.push(change.map_or(Cell::Empty, |c| Cell::number(signed_change(c))));
         table.rows.push(row);
     }

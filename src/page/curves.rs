@@ -157,7 +157,8 @@ pub fn transfer_section(curves: &mut Curves) -> Section {
         mechanism.unit_name(driven.kind),
         mechanism.file_units(driven.kind),
     );
-    let differentiable = mechanism.differentiable_outputs();
+    let orders = mechanism.output_rate_orders().into_iter();
+    let differentiable: Vec<bool> = orders.map(|order| order > 0).collect();
     let mut plot = plot_of_outputs(mechanism, actuation, &differentiable);
     plot.y.truncate(MOST_TRANSFERS);
     // Each curve becomes its own first derivative, with the unit of a rate.

@@ -149,6 +149,23 @@ impl Axis {
     }
 }
 
+impl Chart {
+    /// Whether there is nothing to see but axes.
+    pub fn is_bare(&self) -> bool {
+        self.panels
+            .iter()
+            .all(|panel| panel.points().next().is_none())
+    }
+}
+
+impl PlotSeries {
+    /// Whether no point of it has a place.
+    pub fn is_empty(&self) -> bool {
+        let is_placed = |p: &[f64; 2]| p.iter().all(|v| v.is_finite());
+        !self.points.iter().flatten().any(is_placed)
+    }
+}
+
 impl Panel {
     /// All finite points of series, bands, clouds, tiles, marks and lines.
     pub fn points(&self) -> impl Iterator<Item = [f64; 2]> + '_ {

@@ -3,7 +3,7 @@
 use super::csv::{TableCell, push_header, push_row};
 use super::lengths::at_least_length;
 use super::pieces::piece_cases;
-use super::rounded::{at_least_three, at_most_three, not_above, not_below};
+use super::rounded::{at_least_three, at_most, at_most_three, not_above, not_below};
 use super::sentences::counted_things;
 use super::verdict::{CLEARANCE, Case, CheckRequirements, Status};
 use crate::clearance::check::{ClearanceReport, FarPairs, Judgement, PairReport, Violation};
@@ -16,6 +16,9 @@ const MOST_INTERVALS: usize = 4;
 
 /// Most decimals of a time in seconds.
 const MOST_DECIMALS: f64 = 15.0;
+
+/// Gaps below this are told with an exponent, where six decimals would hide them.
+const SMALL_GAP: f64 = 1e-3;
 
 /// For bodies that are known to be apart, and nothing more.
 pub const NO_BOUND: &str = "no bound";
@@ -97,21 +100,86 @@ fn violation_interval(v: &Violation) -> String {
 /// One sentence about a pair.
 pub fn pair_sentence(mechanism: &Mechanism, p: &PairReport) -> String {
     let unit = &mechanism.length_unit;
-    let [first, second] = shape_names(mechanism, p);
+    let shapes = p.worst_moment().shapes;
+    let [first, second] = [0, 1].map(|k| shape_name(mechanism, p.pair[k], shapes[k]));
+    let [a, b] = body_names(mechanism, p);
+    let who = format!("`{a}` ({first}) and `{b}` ({second})");
+    match touching_words(mechanism, p) {
+        Some(words) => format!("{who} must touch{words}"),
+        None => format!(
+            "{who} {}; the minimum is {} {unit}",
+            nearest_words(p, unit),
+            decimals_of(p.minimum, 6)
+        ),
+    }
+}
+
+/// How near or how deep two bodies come, and when.
+fn nearest_words(p: &PairReport, unit: &str) -> String {
     let least = &p.least;
     let what = if least.is_enclosed {
         "lie one in the other".to_owned()
+    } else if !least.has_end() {
+        "overlap without end".to_owned()
     } else if least.distance < 0.0 {
-        format!("overlap by {} {unit}", decimals_of(-least.distance, 6))
+        format!("overlap by {} {unit}", gap_digits(-least.distance, p))
     } else {
-        format!("come within {} {unit}", decimals_of(least.distance, 6))
+        format!("come within {} {unit}", gap_digits(least.distance, p))
     };
-    let [a, b] = body_names(mechanism, p);
-    format!(
-        "`{a}` ({first}) and `{b}` ({second}) {what} at t = {} s; the minimum is {} {unit}",
-        decimals_of(least.time, 6),
-        decimals_of(p.minimum, 6)
-    )
+    format!("{what} at t = {} s", decimals_of(least.time, 6))
+}
+
+/// Decimals, but for a gap of bodies that must touch: there a small one matters, too.
+fn gap_digits(distance: f64, p: &PairReport) -> String {
+    match p.touching.is_some() && distance > 0.0 && distance < SMALL_GAP {
+        true => format!("{distance:.3e}"),
+        false => decimals_of(distance + 0.0, 6),
+    }
+}
+
+/// What bodies that must touch do instead: `, but are 1 mm apart at t = 1 s`; or that they touch where it was looked. `None`
+/// for other pairs.
+pub(super) fn touching_words(mechanism: &Mechanism, p: &PairReport) -> Option<String> {
+    let (touching, unit) = (p.touching.as_ref()?, &mechanism.length_unit);
+    let apart = p.parted().map(|apart| {
+        format!(
+            "are {} {unit} apart at t = {} s",
+            gap_digits(apart.distance, p),
+            decimals_of(apart.time, 6)
+        )
+    });
+    let deep = p.is_pressed().then(|| nearest_words(p, unit));
+    let faults: Vec<String> = apart.into_iter().chain(deep).collect();
+    Some(match faults.is_empty() {
+        true => " and do at all samples".to_owned(),
+        false => format!(
+            ", but {}; no more than {} {unit} is allowed",
+            faults.join(" and "),
+            at_most(touching.allowed)
+        ),
+    })
+}
+
+/// The judgement of a pair in a table or picture: of bodies that must touch with what is wrong.
+pub fn verdict_words(p: &PairReport, unit: &str) -> String {
+    let word = judgement_word(&p.judgement);
+    let apart = p
+        .parted()
+        .map(|apart| format!("{} {unit} apart", gap_digits(apart.distance, p)));
+    let deep = p.is_pressed().then(|| "they overlap".to_owned());
+    let faults: Vec<String> = apart.into_iter().chain(deep).collect();
+    match faults.is_empty() {
+        true => word.to_owned(),
+        false => format!("{word}: {}", faults.join(", ")),
+    }
+}
+
+/// What is asked of a pair, where others have their minimum.
+pub fn asked_words(p: &PairReport, minimum: impl Fn(f64) -> String) -> String {
+    match p.touching.is_some() {
+        true => "touching".to_owned(),
+        false => minimum(p.minimum),
+    }
 }
 
 /// Why a pair is not judged: the joint, or the reason in the scene.
@@ -244,17 +312,26 @@ pub(super) fn bound_text(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) 
         true => "proved",
         false => "estimated",
     };
-    match (p.known_bound(), p.farthest) {
-        (Some(bound), Some(farthest)) => format!(
-            "between the samples from {} to {} {unit} apart ({sure})",
-            at_least_three(bound),
-            at_most_three(farthest)
-        ),
-        (None, Some(farthest)) => format!(
-            "between the samples no more than {} {unit} apart ({sure}), the depth is not known",
-            at_most_three(farthest)
-        ),
-        (Some(bound), None) => {
+    if p.touching.is_some() {
+        return match (p.known_bound(), p.known_farthest()) {
+            (Some(bound), Some(farthest)) => format!(
+                "between the samples from {} to {} {unit} apart ({sure})",
+                at_least_three(bound),
+                at_most_three(farthest)
+            ),
+            (None, Some(farthest)) => format!(
+                "between the samples no more than {} {unit} apart ({sure}), the depth is not known",
+                at_most_three(farthest)
+            ),
+            (Some(bound), None) => format!(
+                "between the samples no deeper than {} {unit} ({sure}), the gap is not known",
+                at_least_three(bound)
+            ),
+            (None, None) => "nothing is known between the samples".to_owned(),
+        };
+    }
+    match p.known_bound() {
+        Some(bound) => {
             let when = if has_gaps {
                 " where the motion was checked"
             } else {
@@ -263,9 +340,9 @@ pub(super) fn bound_text(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) 
             let bound = at_least_length(bound, mechanism.size, 6);
             format!("never below {bound} {unit}{when} ({sure})")
         }
-        (None, None) if least.distance > 0.0 => NO_BOUND.to_owned(),
+        None if least.distance > 0.0 => NO_BOUND.to_owned(),
         // It is only known that the bodies overlap, not how deeply.
-        (None, None) => "the depth of the overlap has no bound".to_owned(),
+        None => "the depth of the overlap has no bound".to_owned(),
     }
 }
 

@@ -6,7 +6,9 @@ use super::clearance::{
 use super::pieces::pieces_document;
 use super::verdict::Status;
 use crate::clearance::check::{ClearanceReport, Judgement, PairReport, Violation, Violations};
+use crate::clearance::touching::Touching;
 use crate::model::mechanism::Mechanism;
+use glam::DVec3;
 use serde_json::{Value, json};
 
 /// The report as the `clearance` object of `mechanim-check/1`; `result` is the result of its cases, and pairs within
@@ -24,7 +26,7 @@ pub fn to_json(
             "distance": p.least.distance,
             "minimum": p.minimum,
             "time": p.least.time,
-            "points": p.least.points.map(|q| q.to_array()),
+            "points": points_json(p.least.moment().points),
             "shapes": shape_names(mechanism, p),
             "inside": p.least.inside,
         });
@@ -38,8 +40,9 @@ pub fn to_json(
                 if let Some(violations) = &p.violations {
                     object.insert("violations".to_owned(), violations_json(violations));
                 }
-                if let Some(farthest) = p.farthest {
-                    object.insert("farthest".to_owned(), json!(farthest));
+                if let Some(touching) = &p.touching {
+                    object.insert("farthest".to_owned(), json!(p.known_farthest()));
+                    object.insert("touching".to_owned(), touching_json(p, touching));
                 }
             }
             if let Some(reason) = judgement_reason(&p.judgement) {
@@ -70,6 +73,23 @@ pub fn to_json(
         "counted": report.counted.iter().map(counted_judgement).collect::<Vec<_>>(),
         "unchecked": report.gaps,
         "warnings": report.warnings,
+    })
+}
+
+/// Two points, or null.
+fn points_json(points: Option<[DVec3; 2]>) -> Value {
+    json!(points.map(|points| points.map(|q| q.to_array())))
+}
+
+/// Where bodies that must touch are farthest apart, and whether that, or an overlap, is more than is allowed.
+fn touching_json(p: &PairReport, touching: &Touching) -> Value {
+    json!({
+        "apart": touching.apart.distance,
+        "time": touching.apart.time,
+        "points": points_json(touching.apart.points),
+        "allowed": touching.allowed,
+        "parted": p.parted().is_some(),
+        "overlaps": p.is_pressed(),
     })
 }
 

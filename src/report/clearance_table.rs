@@ -2,7 +2,8 @@
 //! reasons.
 
 use super::clearance::{
-    NO_BOUND, body_names, bound_text, judgement_reason, judgement_word, violations_sentence,
+    NO_BOUND, asked_words, body_names, bound_text, judgement_reason, judgement_word,
+    touching_words, violations_sentence,
 };
 use super::lengths::{LengthForm, at_least_length};
 use super::pieces::piece_table;
@@ -40,9 +41,9 @@ pub fn clearance_table(mechanism: &Mechanism, found: &ClearanceReport, worst: us
                 "                  below its minimum by no more than the slack for rounding, {slack} {unit}\n"
             ));
         }
-        if p.farthest.is_some() {
+        if let Some(words) = touching_words(mechanism, p) {
             text.push_str(&format!(
-                "                  touching: {}\n",
+                "                  they must touch{words}; {}\n",
                 bound_text(mechanism, p, has_gaps)
             ));
         }
@@ -80,7 +81,7 @@ pub fn clearance_table(mechanism: &Mechanism, found: &ClearanceReport, worst: us
 
 /// The slack of a pair that passes because of it: its bound is below the minimum.
 fn slack_used(p: &PairReport) -> Option<f64> {
-    let is_used = p.farthest.is_none() && p.judgement.is_kept() && p.least.bound < p.minimum;
+    let is_used = p.touching.is_none() && p.judgement.is_kept() && p.least.bound < p.minimum;
     is_used.then_some(p.slack)
 }
 
@@ -146,7 +147,7 @@ fn pair_row(mechanism: &Mechanism, p: &PairReport) -> String {
     let [a, b] = body_names(mechanism, p);
     let form = LengthForm::of(&[p.least.distance, p.minimum], mechanism.size, 4);
     let bound = match (p.known_bound(), p.least.is_certified) {
-        _ if p.farthest.is_some() => "-".to_owned(),
+        _ if p.touching.is_some() => "-".to_owned(),
         (Some(bound), true) => form.at_least(bound),
         (Some(bound), false) => format!("~{}", form.at_least(bound)),
         (None, _) if p.least.distance > 0.0 => NO_BOUND.to_owned(),
@@ -156,7 +157,7 @@ fn pair_row(mechanism: &Mechanism, p: &PairReport) -> String {
     format!(
         "    {:>10}  {bound:>12}  {:>10}  {:>10.5}  {:<10} {a} / {b}{}\n",
         form.length(p.least.distance),
-        form.length(p.minimum),
+        asked_words(p, |minimum| form.length(minimum)),
         p.least.time,
         judgement_word(&p.judgement),
         inside_word(p),

@@ -1,11 +1,11 @@
 //! Clearances over a box of inputs: cases of a verdict and lines for people.
 
-use super::lengths::at_least_length;
+use super::lengths::{at_least_length, distance_words};
 use super::sentences::beside_unit;
 use super::verdict::{CLEARANCE, Case, Status};
 use crate::clearance::inputs_box::{BoxPair, BoxReport, InputRange};
 use crate::diag::decimals_of;
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Coordinate, Mechanism};
 use serde_json::{Value, json};
 
 /// Most parts of the box that are listed in texts. JSON has all of them.
@@ -81,21 +81,38 @@ pub fn cases(
     cases
 }
 
+/// Inputs with their values in the file's units.
+fn inputs_in_words(mechanism: &Mechanism, inputs: &[f64]) -> String {
+    let one = |(input, value): (&Coordinate, &f64)| {
+        let value = mechanism.file_value(input.kind, *value);
+        format!("{} = {value}", input.name)
+    };
+    let all: Vec<String> = mechanism.inputs.iter().zip(inputs).map(one).collect();
+    all.join(", ")
+}
+
+/// What was found of a pair, and what is asked of it.
+fn found_words(mechanism: &Mechanism, pair: &BoxPair) -> String {
+    let unit = &mechanism.length_unit;
+    let least = format!(
+        "least distance found {} at {}",
+        distance_words(pair.distance, 6, unit),
+        inputs_in_words(mechanism, &pair.inputs)
+    );
+    match &pair.parted {
+        Some((distance, inputs)) => format!(
+            "they must touch, but are {} {unit} apart at {}; {least}",
+            decimals_of(*distance, 6),
+            inputs_in_words(mechanism, inputs)
+        ),
+        None if pair.must_touch => format!("they must touch; {least}"),
+        None => format!("{least}; the minimum is {} {unit}", pair.minimum),
+    }
+}
+
 fn junit_case(mechanism: &Mechanism, sides: [InputRange; 2], pair: &BoxPair) -> Case {
     let unit = &mechanism.length_unit;
-    let inputs = mechanism.inputs.iter().zip(&pair.inputs);
-    let at: Vec<String> = inputs
-        .map(|(input, value)| {
-            let value = mechanism.file_value(input.kind, *value);
-            format!("{} = {value}", input.name)
-        })
-        .collect();
-    let found = format!(
-        "least distance found {} {unit} at {}; the minimum is {} {unit}",
-        decimals_of(pair.distance, 6),
-        at.join(", "),
-        pair.minimum
-    );
+    let found = found_words(mechanism, pair);
     let bound = match pair.bound.is_finite() {
         true => {
             let bound = at_least_length(pair.bound, mechanism.size, 6);
@@ -124,20 +141,31 @@ pub fn to_json(mechanism: &Mechanism, sides: [InputRange; 2], report: &BoxReport
     let part =
         |part: &[[f64; 2]; 2]| json!([part[0].map(|v| shown(0, v)), part[1].map(|v| shown(1, v))]);
     let parts = |list: &[[[f64; 2]; 2]]| list.iter().map(part).collect::<Vec<_>>();
-    let pair = |pair: &BoxPair| {
-        let inputs = mechanism.inputs.iter().zip(&pair.inputs);
-        let inputs: Vec<f64> = inputs
+    let in_file = |inputs: &[f64]| -> Vec<f64> {
+        let inputs = mechanism.inputs.iter().zip(inputs);
+        inputs
             .map(|(input, value)| mechanism.file_value(input.kind, *value))
-            .collect();
-        json!({
+            .collect()
+    };
+    let pair = |pair: &BoxPair| {
+        let mut value = json!({
             "bodies": pair.pair.map(|k| mechanism.bodies[k].name.as_str()),
             "distance": pair.distance,
             "minimum": pair.minimum,
-            "inputs": inputs,
+            "inputs": in_file(&pair.inputs),
             "bound": pair.bound.is_finite().then_some(pair.bound),
             "broken": pair.is_broken,
             "uncovered": parts(&pair.uncovered),
-        })
+        });
+        if pair.must_touch {
+            let apart = pair.parted.as_ref();
+            let [at, distance] = [
+                apart.map(|(_, inputs)| json!(in_file(inputs))),
+                apart.map(|(distance, _)| json!(distance)),
+            ];
+            value["touching"] = json!({ "apart": distance, "inputs": at });
+        }
+        value
     };
     json!({
         "sides": sides.map(|side| mechanism.inputs[side.input].name.as_str()),

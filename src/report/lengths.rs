@@ -1,6 +1,7 @@
 //! Lengths and their bounds in few digits: with decimals, or in scientific notation if they are too small for decimals.
 
 use super::rounded::{at_least_three, not_below};
+use crate::diag::decimals_of;
 use crate::numbers::decimal::fixed;
 
 /// Lengths below this share of the mechanism's size are contacts.
@@ -11,6 +12,25 @@ const ROUNDING: f64 = 1e-12;
 
 /// Digits of the largest length that decimals must show.
 const LEAST_DIGITS: i32 = 3;
+
+/// A distance of half-spaces that overlap without end.
+const ENDLESS: &str = "endless";
+
+/// A distance of two bodies in a table.
+pub fn distance_text(distance: f64, decimals: usize) -> String {
+    match distance == f64::NEG_INFINITY {
+        true => ENDLESS.to_owned(),
+        false => decimals_of(distance + 0.0, decimals),
+    }
+}
+
+/// The same with its unit, in a sentence.
+pub fn distance_words(distance: f64, decimals: usize, unit: &str) -> String {
+    match distance == f64::NEG_INFINITY {
+        true => format!("{ENDLESS} overlap"),
+        false => format!("{} {unit}", distance_text(distance, decimals)),
+    }
+}
 
 /// The form of the lengths of one row or sentence.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +54,9 @@ impl LengthForm {
 
     /// A length.
     pub fn length(self, value: f64) -> String {
+        if value == f64::NEG_INFINITY {
+            return ENDLESS.to_owned();
+        }
         match self.are_small && value.abs() > self.rounding {
             true => format!("{value:.3e}"),
             false => fixed(value, self.decimals),
@@ -73,6 +96,14 @@ mod tests {
             assert_eq!(at_least_length(1.23449 * unit, size, 4), bound);
             assert_eq!(form.length(-1e-17 * size), "0.0000");
         }
+        // No number is a depth that has none.
+        let endless = f64::NEG_INFINITY;
+        assert_eq!(
+            LengthForm::of(&[endless, 0.1], 1.0, 4).length(endless),
+            "endless"
+        );
+        assert_eq!(distance_words(endless, 4, "mm"), "endless overlap");
+        assert_eq!(distance_words(-0.0, 4, "mm"), "0.0000 mm");
         // Contacts are zero, however they are rounded; their bounds stay bounds.
         assert_eq!(LengthForm::of(&[-3e-7], 1.0, 4).length(-3e-7), "0.0000");
         assert_eq!(at_least_length(-3e-7, 1.0, 4), "-0.0001");

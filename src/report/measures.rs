@@ -1,6 +1,6 @@
 //! Measures of a motion as `check` and `solve` show them.
 
-use super::rounded::{not_above, not_below};
+use super::rounded::{at_least_six, at_most_six, not_above, not_below};
 use super::sentences::beside_unit;
 use super::verdict::{Case, CheckRequirements, MEASURES, Status};
 use crate::clearance::covered::CoveredMotion;
@@ -93,9 +93,14 @@ fn take_measures<'s>(
     list.collect()
 }
 
+/// Bounds nearer to zero are zero but for the rounding of zero itself.
+const SMALLEST: f64 = 1e-200;
+
 /// Ten digits, with an exponent where zeros would fill the line.
 fn measure_digits(value: f64) -> String {
     match shown_decimals(value) {
+        // Without a sign, which a zero may have.
+        _ if value == 0.0 => "0".to_owned(),
         Some(decimals) => format!("{value:.decimals$}"),
         None => format!("{value:.9e}"),
     }
@@ -107,6 +112,21 @@ fn shown_decimals(value: f64) -> Option<usize> {
     (-5.0..9.0)
         .contains(&exponent)
         .then_some((9.0 - exponent) as usize)
+}
+
+/// A bound, rounded away from the value to digits that it has: also one that decimals would hide.
+fn never_words(bound: f64, is_upper: bool) -> String {
+    let decimals = match shown_decimals(bound) {
+        Some(decimals) => Some(decimals.saturating_sub(1)),
+        None if bound.abs() > SMALLEST => None,
+        None => Some(12),
+    };
+    match (is_upper, decimals) {
+        (true, Some(decimals)) => format!("never above {}", not_above(bound, decimals)),
+        (false, Some(decimals)) => format!("never below {}", not_below(bound, decimals)),
+        (true, None) => format!("never above {}", at_most_six(bound)),
+        (false, None) => format!("never below {}", at_least_six(bound)),
+    }
 }
 
 impl<'m> TakenMeasure<'m> {
@@ -229,16 +249,19 @@ impl TakenMeasure<'_> {
         });
         let place: Vec<String> = place.collect();
         let time = time.or((!place.is_empty()).then(|| place.join(", ")));
-        // Where bodies touch or overlap only the time of the deepest place found is named.
-        if known.is_distance && (known.value <= 0.0 || known.is_enclosed) {
-            return format!(", deepest found at {}", time.unwrap_or_default());
-        }
-        let time = time.map_or_else(String::new, |time| format!(", at {time}"));
         let bound = self.shown_bound(&known);
+        // Where bodies touch or overlap, the deepest place found is named; a depth need not have a bound.
+        let is_deep = known.is_distance && (known.value <= 0.0 || known.is_enclosed);
+        let at = if is_deep { "deepest found at" } else { "at" };
+        let time = time.map_or_else(String::new, |time| format!(", {at} {time}"));
+        if known.is_enclosed {
+            return time;
+        }
         if !bound.is_finite() {
             let why = match known {
                 _ if known.is_cut_off => ": the limit `time` ended the search",
                 _ if !known.is_whole => ": the motion was not followed everywhere",
+                _ if is_deep => return time,
                 _ if known.is_distance => "",
                 _ if known.uses_distances => {
                     ": of distances between bodies only the least is bounded, this is a value at samples"
@@ -247,12 +270,7 @@ impl TakenMeasure<'_> {
             };
             return format!("{time}; no bound{why}");
         }
-        // The bound is rounded away from the value, to digits that it has.
-        let decimals = shown_decimals(bound).map_or(12, |d| d.saturating_sub(1));
-        let never = match known.is_upper {
-            true => format!("never above {}", not_above(bound, decimals)),
-            false => format!("never below {}", not_below(bound, decimals)),
-        };
+        let never = never_words(bound, known.is_upper);
         let sure = if known.is_certified {
             "proved"
         } else {
@@ -316,7 +334,7 @@ impl TakenMeasure<'_> {
 
     /// The same for machines.
     pub fn json(&self, asked: CheckRequirements) -> Value {
-        let scaled = |value: Option<f64>| value.map(|v| v * self.factor);
+        let scaled = |value: Option<f64>| value.map(|v| v * self.factor + 0.0);
         let mut value = json!({
             "name": self.measure.name,
             "value": scaled(self.value),

@@ -233,7 +233,11 @@ impl OptimumReport<'_> {
 fn nearest_words(pair: &NearestPair, unit: &str) -> String {
     let [a, b] = &pair.bodies;
     let distance = six_digits(pair.distance);
-    format!("{a} / {b}, {distance} {unit} (minimum {})", pair.minimum)
+    let asked = match pair.minimum {
+        Some(minimum) => format!("minimum {minimum}"),
+        None => "they must touch".to_owned(),
+    };
+    format!("{a} / {b}, {distance} {unit} ({asked})")
 }
 
 /// The clearances, as a line of the report.

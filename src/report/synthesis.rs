@@ -241,7 +241,10 @@ fn proof_line(found: &FoundMechanism) -> String {
         pairs.collect::<Vec<_>>().join("; ")
     };
     if !proof.cutting.is_empty() {
-        text.push_str(&format!("  CUTTING: {}\n", names(&proof.cutting)));
+        text.push_str(&format!(
+            "  PART OR OVERLAP, BUT MUST TOUCH: {}\n",
+            names(&proof.cutting)
+        ));
     }
     if !proof.meeting.is_empty() {
         text.push_str(&format!(

@@ -139,6 +139,36 @@ fn table_header(mechanism: &Mechanism, shows: TableColumns) -> Vec<String> {
     names
 }
 
+/// Which outputs have columns without any rate, and why; of tables with rates up to this order.
+pub fn empty_rates(mechanism: &Mechanism, order: usize) -> Vec<String> {
+    let orders = mechanism.output_rate_orders();
+    let of = |known: usize| -> Vec<String> {
+        let outputs = mechanism.outputs.iter().zip(&orders);
+        let these = outputs.filter(|(_, own)| **own == known && known < order);
+        these.map(|(o, _)| format!("`{}`", o.name)).collect()
+    };
+    let told = [
+        (
+            of(0),
+            "rates of",
+            "outputs that contain derivatives have no computed rates; a higher one is written as an output, such as d(h, phi, 2)",
+        ),
+        (
+            of(1),
+            "second and higher rates of",
+            "of distances between bodies only the first is computed",
+        ),
+    ];
+    let told = told.into_iter().filter(|(names, ..)| !names.is_empty());
+    told.map(|(names, what, why)| {
+        format!(
+            "the columns with {what} {} stay empty: {why}",
+            names.join(", ")
+        )
+    })
+    .collect()
+}
+
 /// Traced points and outputs: their formulas and kinds.
 fn shown_columns(mechanism: &Mechanism) -> Vec<(String, Kind)> {
     let places = |name: &str| ["x", "y", "z"].map(|axis| (format!("{name}.{axis}"), Kind::Length));

@@ -42,8 +42,8 @@ const CAPTION: [f64; 2] = [0.004, 0.065];
 pub struct DimensionMark {
     /// The two bodies.
     pub bodies: [usize; 2],
-    /// Its ends, in the world.
-    pub points: [DVec3; 2],
+    /// Its ends, in the world, if it has any.
+    pub points: Option<[DVec3; 2]>,
     /// What is written beside it.
     pub text: String,
     /// What is written above the picture, line by line.
@@ -94,7 +94,7 @@ impl Marks {
 
     /// Adds the mesh of the line; returns its index.
     pub fn mesh(&self, pixel: f64, meshes: &mut Vec<StageMesh>) -> Option<usize> {
-        let [from, to] = self.measure.as_ref()?.points;
+        let [from, to] = self.measure.as_ref()?.points?;
         let radius = LINE_PIXELS * pixel;
         let mut solids: Vec<Solid> = [from, to]
             .map(|centre| Solid::Sphere {
@@ -127,12 +127,14 @@ impl Marks {
             plate: true,
             yields: false,
         };
-        let middle = (measure.points[0] + measure.points[1]) * 0.5;
-        let beside = label(&measure.text, LabelAnchor::Beside(middle), LABEL_SIZE);
+        let beside = measure.points.map(|[from, to]| {
+            let middle = (from + to) * 0.5;
+            label(&measure.text, LabelAnchor::Beside(middle), LABEL_SIZE)
+        });
         // Paths may pass behind these lines.
         let caption = measure.caption.join("\n");
         let above = label(&caption, LabelAnchor::Screen(CAPTION), CAPTION_SIZE);
-        vec![beside, above]
+        beside.into_iter().chain([above]).collect()
     }
 }
 
@@ -145,7 +147,7 @@ mod tests {
     fn all_texts_have_a_plate() {
         let measure = Some(DimensionMark {
             bodies: [0, 1],
-            points: [DVec3::ZERO, DVec3::X],
+            points: Some([DVec3::ZERO, DVec3::X]),
             text: "1 mm".to_owned(),
             caption: vec![
                 "arm / post: failed".to_owned(),

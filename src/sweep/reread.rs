@@ -131,9 +131,6 @@ fn clearance_margins(found: Option<&ClearanceReport>) -> [f64; 2] {
             false => least,
         })
     };
-    let bound = |p: &PairReport| match p.known_bound().filter(|_| p.least.is_certified) {
-        Some(bound) => bound - p.minimum,
-        None => f64::NAN,
-    };
-    [least(&|p| p.least.distance - p.minimum), least(&bound)]
+    let bound = |p: &PairReport| p.proved_margin().unwrap_or(f64::NAN);
+    [least(&PairReport::margin), least(&bound)]
 }

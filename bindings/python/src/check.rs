@@ -20,7 +20,9 @@ pub struct PairClearance {
     bound: f64,
     /// Whether `bound` is proved.
     is_proved: bool,
-    /// Whether it is proved that the pair keeps its minimum.
+    /// Of bodies that must touch: the largest distance found.
+    apart: Option<f64>,
+    /// Whether it is proved that the pair keeps its minimum, or touches all the time if it must.
     passed: bool,
 }
 
@@ -29,9 +31,14 @@ impl PairClearance {
     fn __repr__(&self) -> String {
         let word = if self.passed { "passed" } else { "not passed" };
         let (a, b) = &self.bodies;
+        let apart = self
+            .apart
+            .map(|apart| format!(" (at most {apart:.4} found, must touch)"));
         format!(
-            "<{a} / {b}: {:.4} at {:.4} s, {word}>",
-            self.distance, self.time
+            "<{a} / {b}: {:.4} at {:.4} s{}, {word}>",
+            self.distance,
+            self.time,
+            apart.unwrap_or_default()
         )
     }
 }
@@ -108,6 +115,7 @@ impl Check {
                 time: p.time,
                 bound: p.bound,
                 is_proved: p.is_proved,
+                apart: p.apart,
                 passed: p.passed,
             }
         };

@@ -22,10 +22,10 @@ const HALVINGS: usize = 6;
 pub struct NearestPair {
     /// Names of the bodies.
     pub bodies: [String; 2],
-    /// Least distance over the drive, in the scene's length unit.
+    /// At the worst moment of the drive, in the scene's length unit.
     pub distance: f64,
-    /// Least distance allowed.
-    pub minimum: f64,
+    /// Least distance allowed; none of bodies that must touch.
+    pub minimum: Option<f64>,
 }
 
 /// The clearances over the drive.
@@ -72,8 +72,8 @@ fn judge_clearances(
             kept: report.is_kept(),
             worst: NearestPair {
                 bodies: pair.pair.map(name),
-                distance: pair.least.distance,
-                minimum: pair.minimum,
+                distance: pair.worst_moment().distance,
+                minimum: pair.touching.is_none().then_some(pair.minimum),
             },
             instead: None,
         }

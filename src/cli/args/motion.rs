@@ -95,7 +95,8 @@ pub struct SolveArgs {
     #[arg(long)]
     pub rates: bool,
     /// Rates up to this order (1 to 8) of unknowns, traced points and outputs, as further columns. At a keyframe they
-    /// are those of the piece that begins there.
+    /// are those of the piece that begins there. Outputs that contain derivatives have none, distances only the first:
+    /// their columns stay empty.
     #[arg(long, value_name = "N", conflicts_with = "rates", value_parser = rate_order)]
     pub order: Option<usize>,
     /// Rates with respect to this input instead of time, the others constant: transfer functions.

@@ -16,6 +16,7 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::plot::Plot;
+use crate::plot::chart::Chart;
 use crate::plot::companion::Companion;
 use crate::scene::{Overrides, PlotText, Scene};
 
@@ -39,9 +40,26 @@ pub fn run_plot(args: &PlotArgs, term: &Term) -> Result<Outcome, Failure> {
     event_messages::note_moved_start(&system, actuation, &mut trajectory)?;
     let outcome = event_messages::tell_events(&system, actuation, &trajectory, term)?;
     let chart = motion_chart(&system, actuation, &plots, &trajectory);
+    tell_bare(&chart, term);
     let written = write_chart(&chart, format, args.size, args.theme, output.as_mut());
     io::unless_reader_left(written.and_then(|()| Ok(output.commit()?)))?;
     Ok(outcome)
+}
+
+/// Warns of a chart without curves, and of curves without a value.
+fn tell_bare(chart: &Chart, term: &Term) {
+    let all = chart.panels.iter().flat_map(|panel| &panel.series);
+    if chart.is_bare() && all.clone().next().is_none() {
+        term.warning(
+            "nothing is drawn: the scene has no outputs, traced points or unknowns (--y names curves)",
+        );
+    }
+    for series in all.filter(|series| series.is_empty()) {
+        let name = &series.name;
+        term.warning(&format!(
+            "the curve `{name}` is not drawn: it has no value at any sample"
+        ));
+    }
 }
 
 /// The plot requested on the command line, if any.

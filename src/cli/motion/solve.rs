@@ -18,7 +18,7 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::report::proof::{MotionProof, PoseProofs, table_status};
-use crate::report::table::{TableColumns, write_csv, write_json};
+use crate::report::table::{TableColumns, empty_rates, write_csv, write_json};
 use crate::report::{freedoms, iterates as iterate_table};
 use crate::scene::Scene;
 use std::path::Path;
@@ -76,6 +76,9 @@ pub fn run_solve(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     if let Some(wanted) = derivatives {
         tell_unit(wanted, &scene.mechanism, term);
+        for sentence in empty_rates(&scene.mechanism, wanted.order) {
+            term.warning(&sentence);
+        }
         add_derivatives(&system, actuation, &mut trajectory, wanted);
     }
     let columns = TableColumns {

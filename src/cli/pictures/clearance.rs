@@ -15,7 +15,8 @@ use crate::kinematics::structure::system::System;
 use crate::model::mechanism::Mechanism;
 use crate::render::open::{RendererChoice, open_renderer};
 use crate::render::overlay::Overlay;
-use crate::report::clearance::{body_names, judgement_word};
+use crate::report::clearance::{asked_words, body_names, verdict_words};
+use crate::report::lengths::distance_words;
 use crate::scene::Scene;
 use crate::staging::marks::{DimensionMark, Marks};
 use crate::staging::{PictureOptions, Staging};
@@ -50,7 +51,7 @@ pub fn write_worst_pair(
         return Err(Failure::unknown_kind(path, "picture", "known kind: .png"));
     }
     io::refuse_input(&args.scene, path)?;
-    let least = &worst.least;
+    let least = worst.worst_moment();
     // All samples are solved: the camera frames the whole motion.
     let mut all: Vec<f64> = motion.samples.iter().map(|s| s.time).collect();
     let index = all.partition_point(|t| *t < least.time);
@@ -63,7 +64,7 @@ pub fn write_worst_pair(
         measure: Some(DimensionMark {
             bodies: worst.pair,
             points: least.points,
-            text: format!("{} {unit}", decimals_of(least.distance, 3)),
+            text: distance_words(least.distance, 3, unit),
             caption: pair_caption(&scene.mechanism, worst),
             is_alarm: !worst.judgement.is_kept(),
         }),
@@ -99,13 +100,16 @@ fn pair_caption(mechanism: &Mechanism, pair: &PairReport) -> Vec<String> {
     let who = format!(
         "{}: {}",
         body_names(mechanism, pair).join(" / "),
-        judgement_word(&pair.judgement)
+        verdict_words(pair, unit)
     );
+    let (shown, minimum) = (pair.worst_moment(), |minimum| {
+        format!("minimum {} {unit}", decimals_of(minimum, 4))
+    });
     let when = format!(
-        "{} {unit} at t = {} s, minimum {} {unit}",
-        decimals_of(pair.least.distance, 4),
-        decimals_of(pair.least.time, 4),
-        decimals_of(pair.minimum, 4)
+        "{} at t = {} s, {}",
+        distance_words(shown.distance, 4, unit),
+        decimals_of(shown.time, 4),
+        asked_words(pair, minimum)
     );
     vec![who, when]
 }

@@ -33,6 +33,7 @@ mod joint_reach;
 mod kinks;
 mod lone_poses;
 mod mesh_shells;
+mod must_touch;
 mod narrow_gaps;
 mod neighbour_scenes;
 mod on_axes;

@@ -159,3 +159,87 @@ fn no_distance_or_measure_is_of_another_assembly() {
         }
     }
 }
+
+/// Half-spaces whose planes intersect have no depth and no nearest points: no report has a number or a place for them.
+#[test]
+fn overlaps_without_end_have_no_number_and_no_points() {
+    let w = Workspace::new();
+    let text = "units = { length = \"mm\", angle = \"rad\" }\nduration = 1\n[inputs]\na = \"t\"\n\
+         [[bodies]]\nname = \"A\"\nframe = \"Rx(a)\"\nshapes = [{ half_space = { point = [0, 0, -1], size = 3 } }]\n\
+         [[bodies]]\nname = \"B\"\nshapes = [{ half_space = { point = [0, 0, 3], normal = [0, 0, -1], size = 3 } }]\n\
+         [clearance]\npairs = [{ pair = [\"A\", \"B\"], minimum = 0.1 }]\n";
+    w.write("scene.toml", text);
+    let asked = "check scene.toml --json r.json --junit r.xml --summary r.md --csv r.csv --plot p.svg --matrix m.svg --render p.png";
+    let asked: Vec<&str> = asked.split(' ').collect();
+    let text = w.run(&asked).exits(1).text();
+    w.run(&["report", "scene.toml", "--out", "r.html"]);
+    assert!(text.contains("endless"), "{text}");
+    let json: Value = serde_json::from_slice(&w.read("r.json")).unwrap();
+    let pair = &json["clearance"]["pairs"][0];
+    assert!(
+        pair["points"].is_null() && pair["distance"].is_null(),
+        "{pair:#}"
+    );
+    let read = |name: &str| String::from_utf8(w.read(name)).unwrap();
+    for name in ["r.xml", "r.md"] {
+        assert!(read(name).contains("overlap without end"), "{}", read(name));
+        assert!(read(name).contains("has no bound"), "{}", read(name));
+    }
+    let page = read("r.html");
+    let shown = &page[page.find("Pairs of bodies").unwrap()..];
+    assert!(shown.contains("endless"), "{shown:.400}");
+    for words in [
+        text,
+        read("r.xml"),
+        read("r.md"),
+        read("r.csv"),
+        read("p.svg"),
+        read("m.svg"),
+    ] {
+        let mut parts = words.split(|c: char| !c.is_alphanumeric());
+        assert!(!parts.any(|part| part == "inf" || part == "NaN"), "{words}");
+    }
+}
+
+/// A distance that is zero has a bound like any other, and no sign.
+#[test]
+fn the_bound_of_a_distance_that_is_zero_is_told() {
+    let w = Workspace::new();
+    for (height, value) in [
+        ("1.5", "0 mm"),
+        ("1.4", "-0.1000000000 mm"),
+        ("1.6", "0.1000000000 mm"),
+    ] {
+        w.write(
+            "scene.toml",
+            format!(
+                "units = {{ length = \"mm\", angle = \"rad\" }}\nduration = 1\n[inputs]\nu = \"4*t - 2\"\n\
+                 [outputs]\nq = {{ distance = [\"A\", \"B\"] }}\n[measures]\nm = {{ of = \"q\", take = \"min\" }}\n\
+                 [[bodies]]\nname = \"A\"\nframe = \"Tx(u) Tz({height})\"\nshapes = [{{ sphere = {{ radius = 0.5 }} }}]\n\
+                 [[bodies]]\nname = \"B\"\nshapes = [{{ sphere = {{ radius = 1 }} }}]\n"
+            ),
+        );
+        let text = w.run(&["check", "scene.toml", "--json", "r.json"]).text();
+        let json: Value = serde_json::from_slice(&w.read("r.json")).unwrap();
+        let measure = &json["measures"][0];
+        let said = format!("{height}: {measure:#}\n{text}");
+        let line = text
+            .lines()
+            .find(|line| line.starts_with("  m "))
+            .expect(&said);
+        let rest = line[3..].trim_start();
+        assert!(rest.starts_with(value), "{said}");
+        assert!(
+            measure["value"].as_f64().unwrap().is_sign_positive() == !value.starts_with('-'),
+            "{said}"
+        );
+        // The same bound in both.
+        let told = line
+            .split("never below ")
+            .nth(1)
+            .and_then(|rest| rest.split(' ').next());
+        let told: f64 = told.expect(&said).parse().unwrap();
+        let bound = measure["bound"].as_f64().unwrap();
+        assert!(told <= bound && told >= bound - 1e-8, "{said}");
+    }
+}

@@ -564,3 +564,44 @@ fn a_panel_moves_with_the_animation() {
         .exits(2)
         .says(&["no plot `Strok`"]);
 }
+
+/// Where there is nothing to plot, and where a curve has no value, the program says so; the file is written.
+#[test]
+fn empty_plots_and_curves_are_told() {
+    let w = Workspace::new();
+    let body =
+        "[[bodies]]\nname = \"A\"\nframe = \"Rz(u)\"\nshapes = [{ sphere = { radius = 1 } }]\n";
+    for (u, outputs, said) in [
+        (
+            "0.3",
+            "",
+            "nothing is drawn: the scene has no outputs, traced points or unknowns",
+        ),
+        (
+            "\"t\"",
+            "",
+            "nothing is drawn: the scene has no outputs, traced points or unknowns",
+        ),
+        (
+            "\"t\"",
+            "[outputs]\nq = \"0*sqrt(-1 - u^2)\"\n",
+            "the curve `q` is not drawn: it has no value at any sample",
+        ),
+        ("\"t\"", "[outputs]\nq = \"2*u\"\n", ""),
+        ("0.3", "[outputs]\nq = \"2*u\"\n", ""),
+    ] {
+        w.write(
+            "scene.toml",
+            format!("duration = 1\n[inputs]\nu = {u}\n{outputs}{body}"),
+        );
+        let run = w.run(&["plot", "scene.toml", "--out", "p.svg"]).exits(0);
+        assert!(run.stderr.contains(said), "{u} {outputs}: {}", run.stderr);
+        assert_eq!(
+            run.stderr.contains("drawn"),
+            !said.is_empty(),
+            "{u} {outputs}: {}",
+            run.stderr
+        );
+        assert!(w.path("p.svg").exists());
+    }
+}

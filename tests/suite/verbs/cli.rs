@@ -787,6 +787,72 @@ fn tables_hold_numbers_or_nothing() {
         .says(&["per deg^n"]);
 }
 
+/// A column of rates is empty only if that is said, and the outputs named are those with empty columns.
+#[test]
+fn outputs_without_rates_are_named() {
+    let w = Workspace::new();
+    w.write(
+        "scene.toml",
+        "units = { length = \"mm\", angle = \"rad\" }\nduration = 1\n[inputs]\nu = \"0.3 + t\"\n[outputs]\na = \"u^3\"\n\
+         b = \"d(a, u)\"\nc = \"a + 2*b\"\ne = { distance = [\"A\", \"B\"] }\nf = \"e + a\"\ng = \"d(a, t)\"\n\
+         [[bodies]]\nname = \"A\"\nframe = \"Tx(5 + u)\"\nshapes = [{ sphere = { radius = 1 } }]\n\
+         [[bodies]]\nname = \"B\"\nshapes = [{ sphere = { radius = 1 } }]\n",
+    );
+    for (order, first, second) in [
+        ("1", "rates of `b`, `c`, `g` stay empty", ""),
+        (
+            "2",
+            "rates of `b`, `c`, `g` stay empty",
+            "second and higher rates of `e`, `f` stay empty",
+        ),
+    ] {
+        let run = w.run(&[
+            "solve",
+            "scene.toml",
+            "--samples",
+            "2",
+            "--order",
+            order,
+            "--out",
+            "-",
+        ]);
+        let run = run.exits(0).says(&[first, second]);
+        assert_eq!(
+            run.stderr.contains("second"),
+            !second.is_empty(),
+            "{}",
+            run.stderr
+        );
+        let table = run.text();
+        let mut rows = table
+            .lines()
+            .map(|line| line.split(',').collect::<Vec<_>>());
+        let (names, cells) = (rows.next().unwrap(), rows.next().unwrap());
+        for (name, cell) in names
+            .iter()
+            .zip(&cells)
+            .filter(|(name, _)| name.starts_with('d'))
+        {
+            let output = name.split(['(', ')']).nth(1).unwrap();
+            let is_second = name.starts_with("d2");
+            let is_told = "bcg".contains(output) || is_second && "ef".contains(output);
+            assert_eq!(cell.is_empty(), is_told, "{name}: {cell}");
+        }
+    }
+    w.run(&[
+        "solve",
+        "four-bar",
+        "--samples",
+        "2",
+        "--order",
+        "2",
+        "--out",
+        "-",
+    ])
+    .exits(0)
+    .says_nothing();
+}
+
 #[test]
 fn iterates_are_traced_as_a_table_and_as_polygons() {
     let workspace = Workspace::new();

@@ -110,6 +110,20 @@ fn scenes() -> Vec<(String, String)> {
         "\"30 - t\"",
     ];
     let mut list: Vec<(String, String)> = heights.map(|h| (h.to_owned(), lift(h))).into();
+    // Bodies that must touch and part or cut, and half-spaces that overlap without end.
+    for u in ["0.3*t", "-0.3*t"] {
+        let touching = lift(&format!("\"1 + {u}\"")).replace(
+            "minimum = 0.5",
+            "touching = [{ pair = [\"floor\", \"ball\"] }]",
+        );
+        list.push((u.to_owned(), touching));
+    }
+    let endless = lift("\"t\"").replace(
+        "frame = \"Tz(z)\"\nshapes = [{ sphere = { radius = 1 } }]",
+        "frame = \"Tz(9) Rx(z)\"\nshapes = [{ half_space = { size = 9 } }]",
+    );
+    assert!(endless.contains("Rx(z)"));
+    list.push(("endless".to_owned(), endless));
     let mut many = lift("\"30 - t\"");
     for k in 0..30 {
         let body = format!(
