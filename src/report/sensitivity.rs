@@ -48,6 +48,11 @@ impl<'a> SensitivityTable<'a> {
         }
     }
 
+    /// Whether a measure has derivatives by all variables.
+    pub fn has_derivatives(&self, measure: usize) -> bool {
+        self.nominal.gradients.has_derivatives(measure)
+    }
+
     /// The tolerances with which all dimensions that move the measure contribute equally to the allowed scatter; infinite for others.
     fn proposed_tolerance(&self, variable: usize) -> Option<f64> {
         let (measure, scatter) = self.allowed?;

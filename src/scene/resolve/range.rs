@@ -1,4 +1,4 @@
-//! Limits on the numbers of a mechanism and of its bodies.
+//! Limits on the numbers of a mechanism and of its bodies, and those of measures.
 
 use crate::diag::{Diagnostic, Span, shown_number};
 
@@ -40,4 +40,23 @@ pub fn in_range(
     };
     let message = format!("{what} must be {range}, found {}", shown_number(value));
     Err(Diagnostic::error(message).at(span.clone()))
+}
+
+/// Rejects limits that no value keeps; `span` is where the later one stands.
+///
+/// # Errors
+/// The message for the text there.
+pub fn limits_in_order(
+    name: &str,
+    [min, max]: [Option<f64>; 2],
+    span: &Span,
+) -> Result<(), Diagnostic> {
+    // Equal ones leave a single value.
+    let is_kept_by_some = min.zip(max).is_none_or(|(min, max)| min <= max);
+    if is_kept_by_some {
+        return Ok(());
+    }
+    let message = format!("no value of `{name}` keeps these limits: `min` is greater than `max`");
+    let hint = "`min` is the smallest value allowed, `max` the greatest";
+    Err(Diagnostic::error(message).at(span.clone()).hint(hint))
 }
