@@ -95,10 +95,8 @@ impl<'f, 'w> Peaks<'f, 'w> {
                 let shift = -sign * bound / size;
                 // Only the side of the extreme can be imposed pose by pose.
                 match StudyRows::of(family, measure).filter(|rows| rows.signs[0] == sign) {
-                    Some(own) => {
-                        hidden |= hides_kinks(family, index, true);
-                        rows.push(own.scaled(1.0 / size, shift));
-                    }
+                    // Its poses are seen one by one, and those at a limit are seldom those of a kink.
+                    Some(own) => rows.push(own.scaled(1.0 / size, shift)),
                     None => {
                         hidden |= hides_kinks(family, index, false);
                         singles.push(BranchedMeasure::new(family, index, sign / size, shift));

@@ -147,13 +147,7 @@ fn resolve_measure(
         Some(text) => fixed_point(text, kind, scope, diagnostics).map(Some),
     });
     let (min, max) = (min?, max?);
-    // Both ends are written here, if they contradict each other.
-    if let [Some(text), Some(_)] = &item.limits
-        && let Err(diagnostic) = limits_in_order(&item.name.value, [min, max], &text.span)
-    {
-        diagnostics.push(diagnostic);
-        return None;
-    }
+    diagnostics.taken(limits_in_order(&item.name.value, [min, max], &item.limits))?;
     Some(Measure {
         name: item.name.value.clone(),
         kind,

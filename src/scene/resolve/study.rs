@@ -103,13 +103,9 @@ impl Resolver<'_, '_> {
                 own[0].or(measures[index].min),
                 own[1].or(measures[index].max),
             ];
-            let written = ends.iter().flatten().next();
-            let contradiction = written.map(|text| limits_in_order(&name.value, all, &text.span));
-            match contradiction {
-                Some(Err(diagnostic)) => {
-                    self.diagnostics.push(diagnostic);
-                }
-                _ => list.push((index, own)),
+            let order = limits_in_order(&name.value, all, ends);
+            if self.diagnostics.taken(order).is_some() {
+                list.push((index, own));
             }
         }
         list
