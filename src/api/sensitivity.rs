@@ -9,16 +9,22 @@ use crate::report::sensitivity::SensitivityTable;
 pub struct Sensitivity {
     study: LoadedStudy,
     nominal: NominalStudy,
+    rank: usize,
 }
 
 impl Sensitivity {
     pub(super) fn of(study: LoadedStudy) -> Result<Self, Error> {
         let nominal = study.nominal()?;
-        Ok(Self { study, nominal })
+        let rank = study.ranking(&nominal, None)?;
+        Ok(Self {
+            study,
+            nominal,
+            rank,
+        })
     }
 
-    /// The variables, sorted by decreasing derivative of the objective, or of the first measure if there is no
-    /// objective.
+    /// The variables, sorted by decreasing derivative of the objective, or of the first measure with derivatives if it has none or
+    /// there is no objective.
     ///
     /// ```
     /// let study = mechanim::Scene::builtin("gearshift")?.study().vary(&["L4", "L5d"]);
@@ -49,7 +55,7 @@ impl Sensitivity {
         shown.collect()
     }
 
-    /// The derivative of a measure with respect to a variable, in the scene's units.
+    /// The derivative of a measure with respect to a variable, in the scene's units; NaN where there is none.
     ///
     /// Errors: no measure or no variable has that name.
     ///
@@ -78,7 +84,7 @@ impl Sensitivity {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn text(&self) -> String {
-        self.table().text(self.rank())
+        self.table().text(self.rank)
     }
 
     /// The same as a JSON document.
@@ -92,11 +98,7 @@ impl Sensitivity {
         format!("{:#}\n", self.table().document())
     }
 
-    fn rank(&self) -> usize {
-        self.study.family.study.objective.unwrap_or(0)
-    }
-
     fn table(&self) -> SensitivityTable<'_> {
-        SensitivityTable::new(&self.study.family, &self.nominal, self.rank(), None)
+        SensitivityTable::new(&self.study.family, &self.nominal, self.rank, None)
     }
 }

@@ -10,7 +10,7 @@ pub fn sensitivity_chart(table: &SensitivityTable, rank: usize) -> BarChart {
     let mechanism = &table.family.mechanism();
     let (measures, variables) = (&table.family.measures.list, &table.family.study.variables);
     let mut columns: Vec<usize> = (0..measures.len()).collect();
-    columns.retain(|m| *m != rank);
+    columns.retain(|m| *m != rank && table.has_derivatives(*m));
     columns.insert(0, rank);
     let kinds = [Kind::Length, Kind::Angle, Kind::Number];
     let blocks = kinds.into_iter().filter_map(|kind| {

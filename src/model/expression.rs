@@ -388,6 +388,7 @@ fn combine_affine(a: &Affine, x: Constant, b: &Affine, y: Constant) -> Affine {
 }
 
 mod angle_cut;
+mod branches;
 mod composed;
 pub mod continuity;
 mod domain;

@@ -74,7 +74,7 @@ impl OptimumReport<'_> {
         };
         format!(
             "{}\n  {name}: {}{} ({change})\n  \
-             {}: {} iterations, {} evaluations ({} refused: {} not reached, {} with the branch lost, {} without a value), {:.2} s\n\n",
+             {}: {} iterations, {} evaluations ({} refused: {} not reached, {} with the branch lost, {} without a value or derivative), {:.2} s\n\n",
             study.family.mechanism().title,
             match first.is_finite() {
                 true => format!("{} to ", six_digits(first * unit)),
@@ -121,7 +121,14 @@ impl OptimumReport<'_> {
         );
         let mut rows = vec![vec!["measure".to_owned(), "at these poses".to_owned()]];
         let measures = family.measures.list.iter().zip(&verified.measures);
-        rows.extend(measures.map(|(m, v)| vec![m.name.clone(), six_digits(family.shown(m, *v))]));
+        rows.extend(measures.map(|(m, v)| {
+            // One that the search did not look at may have none.
+            let shown = match v.is_finite() {
+                true => six_digits(family.shown(m, *v)),
+                false => "no value".to_owned(),
+            };
+            vec![m.name.clone(), shown]
+        }));
         text.push_str(&aligned_rows(&rows));
         text.extend(verified.whole.iter().map(|limit| self.whole_line(limit)));
         if !self.found.agrees(self.study, verified) {

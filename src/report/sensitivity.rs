@@ -36,15 +36,24 @@ impl<'a> SensitivityTable<'a> {
         }
     }
 
-    /// d(measure)/d(variable) in the file's units.
+    /// d(measure)/d(variable) in the file's units; NaN where there is none.
     pub fn slope(&self, measure: usize, variable: usize) -> f64 {
         let over = self.family.units(self.family.measures.list[measure].kind);
         let variables = &self.family.study.variables;
         let under = self.family.units(variables[variable].kind);
-        self.nominal.gradients.rows[measure][variable] * over / under
+        let slope = self.nominal.gradients.rows[measure][variable] * over / under;
+        match slope.is_finite() {
+            true => slope,
+            false => f64::NAN,
+        }
     }
 
-    /// The tolerances with which all dimensions contribute equally to the allowed scatter.
+    /// Whether a measure has derivatives by all variables.
+    pub fn has_derivatives(&self, measure: usize) -> bool {
+        self.nominal.gradients.has_derivatives(measure)
+    }
+
+    /// The tolerances with which all dimensions that move the measure contribute equally to the allowed scatter; infinite for others.
     fn proposed_tolerance(&self, variable: usize) -> Option<f64> {
         let (measure, scatter) = self.allowed?;
         let row = &self.nominal.gradients.rows[measure];
@@ -52,7 +61,39 @@ impl<'a> SensitivityTable<'a> {
         let unit = self
             .family
             .units(self.family.study.variables[variable].kind);
-        Some(scatter / (moving.sqrt() * row[variable].abs()) * unit)
+        // Nothing adds to a scatter by nothing, whatever its tolerance.
+        Some(match row[variable] {
+            0.0 => f64::INFINITY,
+            slope => scatter / (moving.sqrt() * slope.abs()) * unit,
+        })
+    }
+
+    /// How much the proposed tolerances make of a scatter, in words.
+    fn scatter_line(&self, measure: usize, scatter: f64) -> String {
+        let shown = &self.family.measures.list[measure];
+        let scatter = six_digits(self.family.shown(shown, scatter));
+        let row = &self.nominal.gradients.rows[measure];
+        let idle: Vec<&str> = (0..row.len())
+            .filter(|k| row[*k] == 0.0)
+            .map(|k| self.name(k))
+            .collect();
+        let name = &shown.name;
+        if idle.len() == row.len() {
+            return format!(
+                "To first order no dimension changes {name}: the derivatives give no tolerances for a scatter of {scatter}.\n"
+            );
+        }
+        let mut text = format!(
+            "With these tolerances every dimension adds as much to a scatter of {scatter} of {name}"
+        );
+        match idle.is_empty() {
+            true => text.push_str(".\n"),
+            false => text.push_str(&format!(
+                ", except those that do not change it to first order: {}.\n",
+                idle.join(", ")
+            )),
+        }
+        text
     }
 
     fn heads(&self) -> Vec<String> {
@@ -89,7 +130,7 @@ impl<'a> SensitivityTable<'a> {
         let mut rows = vec![self.heads()];
         rows.extend(self.order.iter().map(|&v| {
             let name = std::iter::once(self.name(v).to_owned());
-            name.chain(self.numbers(v).map(six_digits)).collect()
+            name.chain(self.numbers(v).map(slope_cell)).collect()
         }));
         let measures: Vec<String> = list
             .iter()
@@ -101,6 +142,13 @@ impl<'a> SensitivityTable<'a> {
         let mut text = format!("{title}\n  {}\n\n", measures.join(", "));
         text.push_str(&aligned_rows(&rows));
         text.push_str(&format!("\nExact derivatives, ranked by d{ranked}.\n"));
+        let without = self.nominal.names_without_derivatives(self.family);
+        if !without.is_empty() {
+            text.push_str(&format!(
+                "Without derivatives by all dimensions: {}.\n",
+                without.join(", ")
+            ));
+        }
         let one_sided = self.nominal.one_sided_names(self.family);
         if !one_sided.is_empty() {
             text.push_str(&format!(
@@ -124,12 +172,7 @@ impl<'a> SensitivityTable<'a> {
             ));
         }
         if let Some((measure, scatter)) = self.allowed {
-            let measure = &list[measure];
-            text.push_str(&format!(
-                "With these tolerances every dimension adds as much to a scatter of {} of {}.\n",
-                six_digits(self.family.shown(measure, scatter)),
-                measure.name
-            ));
+            text.push_str(&self.scatter_line(measure, scatter));
         }
         text
     }
@@ -176,10 +219,20 @@ impl<'a> SensitivityTable<'a> {
             "schema": format!("mechanim-sensitivity/{SCHEMA}"),
             "title": self.family.mechanism().title,
             "measures": measures,
+            "without_derivatives": self.nominal.names_without_derivatives(self.family),
             "one_sided": self.nominal.one_sided_names(self.family),
             "of_poses": self.nominal.names_of_poses(self.family),
             "dimensions": rows.collect::<Vec<_>>(),
         })
+    }
+}
+
+/// A derivative or a tolerance in a table for people.
+fn slope_cell(value: f64) -> String {
+    match value {
+        _ if value.is_nan() => "none".to_owned(),
+        _ if value.is_infinite() => "any".to_owned(),
+        _ => six_digits(value),
     }
 }
 

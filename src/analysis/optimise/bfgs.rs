@@ -44,7 +44,9 @@ pub fn minimise_bfgs(
         evaluations: 0,
     };
     let Some(mut here) = search.at(&x) else {
-        return search.result(x, f64::INFINITY, 0, StopReason::Stalled);
+        // Without derivatives there is no way on, but there may be a value.
+        let value = search.objective.value(&x);
+        return search.result(x, value, 0, StopReason::Stalled);
     };
     let first_value = here.value.abs().max(f64::MIN_POSITIVE);
     let mut inverse = Inverse::identity(x.len());

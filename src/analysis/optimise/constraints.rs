@@ -1,6 +1,7 @@
 //! Inequality constraints by the augmented Lagrangian (Nocedal and Wright, Numerical Optimization, 2nd ed., chapter
 //! 17): a few minimisations of a penalised function with updated multipliers, so that the weights stay moderate.
 
+use super::kept::BestKept;
 use super::{Minimum, Objective, StopReason};
 
 /// An objective and functions that must not be positive.
@@ -34,6 +35,8 @@ struct Penalised<'a> {
     weight: f64,
     /// Typical size of each constraint.
     scales: Vec<f64>,
+    /// The best candidate that keeps the constraints.
+    kept: BestKept,
     /// Iterations of earlier rounds.
     before: usize,
     stopped: bool,
@@ -47,11 +50,32 @@ impl Penalised<'_> {
         let penalty = (active * active - multiplier * multiplier) / (2.0 * self.weight);
         (active / self.scales[k], penalty)
     }
+
+    /// The largest violation among the function and its constraints, in the constraints' scales.
+    fn violation(&self, values: &[f64]) -> f64 {
+        let scaled = values[1..].iter().zip(&self.scales).map(|(g, s)| g / s);
+        scaled.fold(
+            0.0,
+            |worst, g| if g > worst || g.is_nan() { g } else { worst },
+        )
+    }
+
+    /// Remembers a candidate that keeps the constraints.
+    fn offer(&mut self, x: &[f64], values: &[f64]) {
+        self.kept.offer(x, values[0], self.violation(values));
+    }
+
+    /// The values at a point without penalties.
+    fn plain_values(&mut self, x: &[f64]) -> Option<Vec<f64>> {
+        let values = self.inner.values(x)?;
+        self.offer(x, &values);
+        Some(values)
+    }
 }
 
 impl Objective for Penalised<'_> {
     fn value(&mut self, x: &[f64]) -> f64 {
-        let Some(values) = self.inner.values(x) else {
+        let Some(values) = self.plain_values(x) else {
             return f64::INFINITY;
         };
         let penalties = values[1..]
@@ -63,6 +87,7 @@ impl Objective for Penalised<'_> {
 
     fn gradient(&mut self, x: &[f64]) -> Option<(f64, Vec<f64>)> {
         let (values, rows) = self.inner.gradients(x)?;
+        self.offer(x, &values);
         let (mut value, mut gradient) = (values[0], rows[0].clone());
         for (k, (g, row)) in values[1..].iter().zip(&rows[1..]).enumerate() {
             // Augmented Lagrangian: only the active part of a constraint has a gradient.
@@ -86,7 +111,8 @@ impl Objective for Penalised<'_> {
 /// Minimises under constraints by repeated calls of `run`, which minimises without constraints.
 ///
 /// `tolerance` is the accepted violation, in the constraints' own `scales`. The value of the minimum is that of the
-/// function without penalties.
+/// function without penalties. If the search ends at a point that violates
+/// them although some candidate keeps them, the start among these, the best such one is the minimum.
 pub fn minimise_constrained(
     inner: &mut dyn Constrained,
     start: &[f64],
@@ -94,25 +120,27 @@ pub fn minimise_constrained(
     tolerance: f64,
     run: &mut dyn FnMut(&mut dyn Objective, &[f64]) -> Minimum,
 ) -> Minimum {
-    // The initial penalty is as large as the objective.
-    let first = inner.values(start).map_or(1.0, |v| v[0].abs());
     let mut penalised = Penalised {
         inner,
         multipliers: vec![0.0; scales.len()],
-        weight: FIRST_WEIGHT * first.max(f64::MIN_POSITIVE),
+        weight: 0.0,
         scales: scales.to_vec(),
+        kept: BestKept::within(tolerance),
         before: 0,
         stopped: false,
     };
+    // The initial penalty is as large as the objective.
+    let first = penalised.plain_values(start).map_or(1.0, |v| v[0].abs());
+    penalised.weight = FIRST_WEIGHT * first.max(f64::MIN_POSITIVE);
     let mut total = run(&mut penalised, start);
     let mut worst = f64::INFINITY;
     for _ in 1..ROUNDS {
-        let Some(values) = penalised.inner.values(&total.x) else {
+        let Some(values) = penalised.plain_values(&total.x) else {
             break;
         };
         total.value = values[0];
         let scaled: Vec<f64> = values[1..].iter().zip(scales).map(|(g, s)| g / s).collect();
-        let violation = scaled.iter().fold(0.0_f64, |m, g| m.max(*g));
+        let violation = penalised.violation(&values);
         let idle = penalised
             .multipliers
             .iter()
@@ -135,6 +163,10 @@ pub fn minimise_constrained(
         if violation > LESSENED * worst {
             penalised.weight *= HEAVIER;
         }
+        // An objective that is about zero at the start has its size elsewhere.
+        if violation > tolerance {
+            penalised.weight = penalised.weight.max(FIRST_WEIGHT * values[0].abs());
+        }
         worst = worst.min(violation);
         penalised.before = total.iterations;
         let next = run(&mut penalised, &total.x);
@@ -145,8 +177,13 @@ pub fn minimise_constrained(
             ..next
         };
     }
-    if let Some(values) = penalised.inner.values(&total.x) {
-        total.value = values[0];
+    let mut violation = f64::NAN;
+    if let Some(values) = penalised.plain_values(&total.x) {
+        (total.value, violation) = (values[0], penalised.violation(&values));
+    }
+    let kept = std::mem::replace(&mut penalised.kept, BestKept::within(tolerance));
+    if let Some((x, value)) = kept.instead_of(violation) {
+        (total.x, total.value) = (x, value);
     }
     if penalised.stopped {
         total.ended = StopReason::Stopped;

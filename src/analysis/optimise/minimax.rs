@@ -5,9 +5,11 @@
 //! chapters 12 and 14).
 
 use super::curvature::Curvature;
+use super::kept::BestKept;
+use super::minimax_poll::Poll;
 use super::minimax_problem::{largest_value, merit_value};
 use super::minimax_step::{MinimaxPoint, MinimaxStep, trust_unit};
-use super::{Minimum, StopReason, VariableBounds};
+use super::{LET_PASS, Minimum, StopReason, VariableBounds};
 use nalgebra::DVector;
 use std::collections::VecDeque;
 
@@ -43,6 +45,13 @@ const SHRINK: f64 = 0.4;
 /// Edges that are remembered.
 const MOST_EDGES: usize = 24;
 
+/// Number of looks around ends of the search that lead on: each costs as many gradients as dozens of steps.
+const MOST_POLLS: usize = 40;
+
+/// Decreases are judged relative to the value, but at least to this share of the first one: at an optimum of zero every decrease would
+/// be large otherwise.
+const LEAST_SIZE: f64 = 1e-6;
+
 /// Searches from `start`; `scales` are typical sizes of the variables, limits are of order one.
 pub fn minimise_largest(
     problem: &mut dyn MinimaxProblem,
@@ -61,6 +70,9 @@ pub fn minimise_largest(
     };
     bounds.clamp(&mut result.x);
     let Some((values, gradients)) = problem.gradients_at(&result.x) else {
+        // Without derivatives there is no way on, but there may be a value.
+        let value = problem.values_at(&result.x);
+        result.value = value.map_or(f64::INFINITY, |values| largest_value(&values.peaks));
         return result;
     };
     // Exact penalty: the weight of the constraints is so large that violating one never pays.
@@ -71,6 +83,9 @@ pub fn minimise_largest(
         bounds,
         search,
         weight: WEIGHT * unit,
+        first_unit: unit,
+        kept: BestKept::within(LET_PASS),
+        polls: 0,
         values,
         gradients,
         curvature: Curvature::none(start.len()),
@@ -79,11 +94,13 @@ pub fn minimise_largest(
         accepted: 0,
         result,
     };
+    state.offer();
     let ended = loop {
         if let Some(reason) = state.advance() {
             break reason;
         }
     };
+    state.go_back_if_violated();
     Minimum {
         value: largest_value(&state.values.peaks),
         ended,
@@ -99,6 +116,12 @@ struct MinimaxState<'s> {
     search: MinimaxSearch,
     /// What violating a constraint costs.
     weight: f64,
+    /// The size of the first value.
+    first_unit: f64,
+    /// The best point so far that keeps the constraints.
+    kept: BestKept,
+    /// Looks around so far.
+    polls: usize,
     /// At the best point so far.
     values: PeakValues,
     gradients: PeakGradients,
@@ -137,10 +160,11 @@ impl Forecast {
 impl MinimaxState<'_> {
     /// One step, accepted or not; the reason why the search ends, if it does.
     fn advance(&mut self) -> Option<StopReason> {
-        if let Some(reason) = self.reason_to_end() {
-            return Some(reason);
+        match self.reason_to_end() {
+            Some(StopReason::Converged) => return self.look_around(),
+            Some(reason) => return Some(reason),
+            None => self.result.iterations += 1,
         }
-        self.result.iterations += 1;
         let here = merit_value(&self.values, self.weight);
         let unit = trust_unit(here, &self.gradients, self.scales, self.radius);
         let Some(step) = self.model(unit).step(&self.values, self.radius) else {
@@ -156,7 +180,7 @@ impl MinimaxState<'_> {
         };
         // Below the tolerance nothing is left to gain.
         if forecast.promise <= self.search.tolerance * here.abs() {
-            return Some(StopReason::Converged);
+            return self.look_around();
         }
         let Some((next, gained)) = self.trial_step(&forecast) else {
             return Some(StopReason::Stopped);
@@ -251,11 +275,86 @@ impl MinimaxState<'_> {
         // What bends the peak by itself is known; only the rest is learnt.
         let known = self.gradients.scaled_bend(scales) * &moved;
         self.curvature.damped_update(&moved, change - known);
-        (self.values, self.gradients) = (new_values, new_gradients);
+        self.arrive(next, (new_values, new_gradients))
+    }
+
+    /// Goes to a point; false if the search is to end.
+    fn arrive(&mut self, next: Vec<f64>, there: (PeakValues, PeakGradients)) -> bool {
+        (self.values, self.gradients) = there;
         self.result.x = next;
         self.accepted += 1;
+        self.offer();
         let value = largest_value(&self.values.peaks);
         self.problem.progress(self.accepted, &self.result.x, value)
+    }
+
+    /// Remembers the point if it keeps the constraints.
+    fn offer(&mut self) {
+        let value = largest_value(&self.values.peaks);
+        let violation = largest_value(&self.values.limits);
+        self.kept.offer(&self.result.x, value, violation);
+    }
+
+    /// Goes back to the best point that keeps the constraints if this one does not.
+    fn go_back_if_violated(&mut self) {
+        let kept = std::mem::replace(&mut self.kept, BestKept::within(LET_PASS));
+        let Some((x, _)) = kept.instead_of(largest_value(&self.values.limits)) else {
+            return;
+        };
+        // The problem is asked again, so that what it remembers of its last point belongs to this one.
+        self.result.gradients += 1;
+        if let Some(there) = self.problem.gradients_at(&x) {
+            (self.values, self.gradients) = there;
+            self.result.x = x;
+        }
+    }
+
+    /// Where the model promises nothing: a kink may hide the way down. The search goes on from a better point nearby, and has converged
+    /// if there is none.
+    fn look_around(&mut self) -> Option<StopReason> {
+        if !self.problem.hides_kinks() {
+            return Some(StopReason::Converged);
+        }
+        if self.polls == MOST_POLLS {
+            return Some(StopReason::Stalled);
+        }
+        let here = merit_value(&self.values, self.weight);
+        let size = here.abs().max(LEAST_SIZE * self.first_unit);
+        let poll = Poll {
+            here: MinimaxPoint {
+                x: &self.result.x,
+                edges: &self.edges,
+                gradients: &self.gradients,
+                curvature: &self.curvature,
+                scales: self.scales,
+                bounds: self.bounds,
+                weight: self.weight,
+                unit: size,
+            },
+            values: &self.values,
+            least_gain: self.search.tolerance * size,
+            number: self.polls,
+        };
+        let polled = poll.look(&mut *self.problem);
+        self.polls += 1;
+        self.result.iterations += 1;
+        self.result.evaluations += polled.evaluations;
+        self.result.gradients += polled.gradients + 1;
+        let next = polled.better.unwrap_or_else(|| self.result.x.clone());
+        let is_better = next != self.result.x;
+        // Also without a better point: what the problem remembers of its last point belongs to this one then.
+        let there = self.problem.gradients_at(&next);
+        if self.problem.is_stopped() {
+            return Some(StopReason::Stopped);
+        }
+        let Some(there) = there.filter(|_| is_better) else {
+            return Some(StopReason::Converged);
+        };
+        let moves = next.iter().zip(&self.result.x).zip(self.scales);
+        let moved = moves.fold(0.0, |most: f64, ((a, b), s)| most.max(((a - b) / s).abs()));
+        self.radius = moved.max(self.search.smallest_radius);
+        self.curvature = Curvature::none(next.len());
+        (!self.arrive(next, there)).then_some(StopReason::Stopped)
     }
 
     /// The trust region grows if the model is accurate, and shrinks if not.

@@ -46,6 +46,11 @@ pub trait MinimaxProblem {
         None
     }
 
+    /// Whether a function may have kinks that its derivatives at a point do not tell: where the search would end, it looks around then.
+    fn hides_kinks(&self) -> bool {
+        false
+    }
+
     /// Called before every step and every evaluation: whether to end the search with the best point so far.
     fn is_stopped(&self) -> bool {
         false

@@ -5,12 +5,16 @@ pub mod bfgs;
 pub mod constraints;
 mod curvature;
 pub mod evolution;
+mod kept;
 pub mod least_squares;
 pub mod minimax;
+mod minimax_poll;
 mod minimax_problem;
 mod minimax_step;
 pub mod nelder_mead;
 pub mod quadratic;
+
+pub use kept::LET_PASS;
 
 /// A function to be made small.
 pub trait Objective {

@@ -12,38 +12,42 @@ const SHRINKAGE: f64 = 0.5;
 /// First simplex: every coordinate in turn changed by this share of it.
 const FIRST_STEP: f64 = 0.05;
 
-/// First change of a coordinate that is zero.
-const FIRST_STEP_FROM_ZERO: f64 = 0.00025;
+/// The least first change of a coordinate, as a share of its scale: what one that is zero changes by.
+const LEAST_FIRST_STEP: f64 = 0.00025;
 
 /// The stopping criteria.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NelderMeadLimits {
-    /// Largest distance of a corner from the best one, along any coordinate.
+    /// Largest distance of a corner from the best one, along any coordinate, as a share of its scale.
     pub x_tolerance: f64,
-    /// Largest difference of a corner's value from the best one.
+    /// Largest difference of a corner's value from the best one, as a share of the largest difference in any simplex so far: this
+    /// depends neither on the unit of the values nor on what is added to them.
     pub value_tolerance: f64,
     /// Most values asked for.
     pub evaluations: usize,
 }
 
-/// Searches from `start`; points outside the bounds are moved to their edge.
+/// Searches from `start`; `scales` are typical sizes of the variables. Points outside the bounds are moved to their edge.
 pub fn minimise_nelder_mead(
     objective: &mut dyn Objective,
     start: &[f64],
+    scales: &[f64],
     bounds: &VariableBounds,
     limits: NelderMeadLimits,
 ) -> Minimum {
     let mut search = SimplexSearch {
         objective,
         bounds,
+        scales,
         evaluations: 0,
+        widest: 0.0,
     };
     let mut simplex = search.first_simplex(start);
     // Making the first simplex is counted as an iteration, as others do.
     let mut iterations = 1;
     let ended = loop {
         sort_by_number(&mut simplex, |a| a.1);
-        if is_small(&simplex, limits) {
+        if search.is_small(&simplex, limits) {
             break StopReason::Converged;
         }
         if search.evaluations >= limits.evaluations {
@@ -73,21 +77,29 @@ pub fn minimise_nelder_mead(
 
 type SimplexCorner = (Vec<f64>, f64);
 
-fn is_small(simplex: &[SimplexCorner], limits: NelderMeadLimits) -> bool {
-    let (best, value) = &simplex[0];
-    simplex[1..].iter().all(|(corner, v)| {
-        let near = |(a, b): (&f64, &f64)| (a - b).abs() <= limits.x_tolerance;
-        (v - value).abs() <= limits.value_tolerance && corner.iter().zip(best).all(near)
-    })
-}
-
 struct SimplexSearch<'a> {
     objective: &'a mut dyn Objective,
     bounds: &'a VariableBounds,
+    scales: &'a [f64],
     evaluations: usize,
+    /// The largest difference of two values in a simplex.
+    widest: f64,
 }
 
 impl SimplexSearch<'_> {
+    /// Whether the corners of a sorted simplex, and their values, are as near to each other as asked.
+    fn is_small(&mut self, simplex: &[SimplexCorner], limits: NelderMeadLimits) -> bool {
+        let (best, value) = &simplex[0];
+        let apart = simplex.iter().map(|(_, v)| (v - value).abs());
+        let spread = apart.filter(|v| v.is_finite()).fold(0.0, f64::max);
+        self.widest = self.widest.max(spread);
+        simplex[1..].iter().all(|(corner, v)| {
+            let mut coordinates = corner.iter().zip(best).zip(self.scales);
+            let is_near = coordinates.all(|((a, b), s)| (a - b).abs() <= limits.x_tolerance * s);
+            (v - value).abs() <= limits.value_tolerance * self.widest && is_near
+        })
+    }
+
     fn corner(&mut self, mut x: Vec<f64>) -> SimplexCorner {
         self.bounds.clamp(&mut x);
         self.evaluations += 1;
@@ -99,11 +111,8 @@ impl SimplexSearch<'_> {
         let mut simplex = vec![self.corner(start.to_vec())];
         for k in 0..start.len() {
             let mut x = start.to_vec();
-            let step = if x[k] == 0.0 {
-                FIRST_STEP_FROM_ZERO
-            } else {
-                FIRST_STEP * x[k]
-            };
+            let step = (FIRST_STEP * x[k].abs()).max(LEAST_FIRST_STEP * self.scales[k]);
+            let step = step.copysign(x[k]);
             // A vertex on the edge of the box would flatten the simplex: step inwards instead.
             let outside = x[k] + step > self.bounds.upper[k] || x[k] + step < self.bounds.lower[k];
             x[k] += if outside { -step } else { step };

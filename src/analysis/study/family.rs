@@ -226,6 +226,20 @@ impl ParametricMechanism {
         self.measures.list.get(self.study.objective?)
     }
 
+    /// Whether a search looks at a measure: the objective, and what is limited.
+    pub fn is_sought(&self, measure: usize) -> bool {
+        let limited = |m: &Measure| m.min.is_some() || m.max.is_some();
+        self.study.objective == Some(measure) || limited(&self.measures.list[measure])
+    }
+
+    /// Derivatives of the inputs by the variables, which are the last inputs: a row each.
+    pub(super) fn input_rows(&self) -> Vec<Vec<f64>> {
+        let (own, count) = (self.own_inputs(), self.study.variables.len());
+        let mut rows = vec![vec![0.0; count]; own + count];
+        (0..count).for_each(|k| rows[own + k][k] = 1.0);
+        rows
+    }
+
     /// The file's values of the variables.
     pub fn start(&self) -> Vec<f64> {
         self.study.variables.iter().map(|v| v.start).collect()

@@ -24,6 +24,13 @@ pub struct Gradients {
     pub rows: Vec<Vec<f64>>,
 }
 
+impl Gradients {
+    /// Whether a measure has derivatives by all variables.
+    pub fn has_derivatives(&self, measure: usize) -> bool {
+        self.rows[measure].iter().all(|slope| slope.is_finite())
+    }
+}
+
 /// Derivatives of a pose's quantities by the variables.
 pub(super) struct Changes {
     slopes: MeasureSlopes,
@@ -83,21 +90,21 @@ impl Changes {
 }
 
 impl Evaluator<'_> {
-    /// Measures and their exact gradients.
+    /// Measures and their exact gradients; NaN for measures without them that a search does not look at.
     ///
     /// Where a maximum, minimum or bow passes from one pose to another, the gradient is one-sided.
     ///
     /// # Errors
-    /// A measure without a value or derivative (names it), or a singular pose.
+    /// An objective or a limited measure without a value or derivative (names it), or a singular pose.
     pub fn gradients(&self, track_poses: &TrackPoses) -> Result<Gradients, Rejection> {
         let found = self.gradients_with_gaps(track_poses)?;
-        let names = self.family.measures.list.iter().map(|m| &m.name);
-        for (name, (value, row)) in names.zip(found.measures.iter().zip(&found.rows)) {
-            if !value.is_finite() {
-                return Err(Rejection::NoValue(name.clone()));
+        let list = self.family.measures.list.iter().enumerate();
+        for (index, measure) in list.filter(|(index, _)| self.family.is_sought(*index)) {
+            if !found.measures[index].is_finite() {
+                return Err(Rejection::NoValue(measure.name.clone()));
             }
-            if !row.iter().all(|v| v.is_finite()) {
-                return Err(Rejection::NoDerivative(name.clone()));
+            if !found.has_derivatives(index) {
+                return Err(Rejection::NoDerivative(measure.name.clone()));
             }
         }
         Ok(found)
@@ -109,13 +116,11 @@ impl Evaluator<'_> {
     /// The evaluation was cancelled.
     pub fn gradients_with_gaps(&self, track_poses: &TrackPoses) -> Result<Gradients, Rejection> {
         let list = &self.family.measures.list;
-        let (own, count) = (self.family.own_inputs(), track_poses.values.len());
+        let count = track_poses.values.len();
         let shown = self.shown(track_poses);
         let (numbers, reductions) = self.numbers(track_poses, &shown);
         let changes = self.changes(track_poses, &shown)?;
-        // Derivatives of the slots of the measures' formulas: inputs, then measures.
-        let mut rows = vec![vec![0.0; count]; own + count];
-        (0..count).for_each(|k| rows[own + k][k] = 1.0);
+        let mut rows = self.family.input_rows();
         for (measure, reduced) in list.iter().zip(&reductions) {
             let mut row = vec![0.0; count];
             match (&measure.source, reduced) {
@@ -268,8 +273,11 @@ pub(super) fn chain_rule(
         &mut Vec::new(),
         &mut Vec::new(),
     );
-    // d(formula) = sum of partial derivatives times rows of the earlier numbers.
+    // d(formula) = sum of partial derivatives times rows of the earlier numbers. What it does not depend on here may have none.
     for slot in formula.slots() {
+        if gradient[slot] == 0.0 {
+            continue;
+        }
         for (entry, change) in row.iter_mut().zip(&rows[slot]) {
             *entry += gradient[slot] * change;
         }

@@ -169,7 +169,7 @@ fn kept_objective(study: &LoadedStudy, values: &[f64]) -> Result<Option<f64>, Fa
     let mut evaluator = Evaluator::new(family);
     let start = evaluator.nominal(family.nominal()?.poses);
     let measured = evaluator.approach(&start, values);
-    let measured = measured.and_then(|track_poses| evaluator.measure(&track_poses));
+    let measured = measured.and_then(|track_poses| evaluator.measure_sought(&track_poses));
     let index = family.study.objective;
     Ok(measured.ok().zip(index).map(|(found, k)| found.measures[k]))
 }

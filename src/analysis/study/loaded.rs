@@ -41,6 +41,13 @@ impl NominalStudy {
         marked.map(|(measure, _)| measure.name.as_str()).collect()
     }
 
+    /// Names of the measures that lack a derivative.
+    pub fn names_without_derivatives<'f>(&self, family: &'f ParametricMechanism) -> Vec<&'f str> {
+        let list = family.measures.list.iter().enumerate();
+        let marked = list.filter(|(index, _)| !self.gradients.has_derivatives(*index));
+        marked.map(|(_, measure)| measure.name.as_str()).collect()
+    }
+
     /// Names of the measures of which only poses are known.
     pub fn names_of_poses<'f>(&self, family: &'f ParametricMechanism) -> Vec<&'f str> {
         let list = family.measures.list.iter().zip(&self.is_whole);
@@ -52,14 +59,8 @@ impl NominalStudy {
     fn take_measures(&mut self, family: &ParametricMechanism, other: Self, is_taken: &[bool]) {
         // Inputs and measures, and their derivatives by the variables, which are the last inputs.
         let mut numbers = family.actuation.inputs_at(0.0);
-        let (first, own, variables) = (
-            numbers.len(),
-            family.own_inputs(),
-            numbers.len() - family.own_inputs(),
-        );
-        let unit =
-            |input: usize| (0..variables).map(move |k| f64::from(u8::from(own + k == input)));
-        let mut changes: Vec<Vec<f64>> = (0..first).map(|input| unit(input).collect()).collect();
+        let first = numbers.len();
+        let mut changes = family.input_rows();
         let Gradients { measures, rows } = other.gradients;
         let found = measures.into_iter().zip(rows).zip(other.one_sided);
         for (index, ((value, row), one_sided)) in found.enumerate() {
@@ -183,7 +184,8 @@ impl LoadedStudy {
         })
     }
 
-    /// Poses, measures and derivatives with the file's values, extremes along the drive between the poses among them.
+    /// Poses, measures and derivatives with the file's values, extremes along the drive between the poses among them. Derivatives that
+    /// do not exist are NaN.
     ///
     /// # Errors
     /// A pose that does not exist, or a measure without a value.
@@ -195,16 +197,32 @@ impl LoadedStudy {
             found.take_measures(&family, nominal_of(&family)?, &refined.is_whole);
         }
         found.is_whole = refined.is_whole;
-        let names = self.family.measures.list.iter().map(|m| &m.name);
-        let lacks = |row: &Vec<f64>| row.iter().any(|slope| !slope.is_finite());
-        match names.zip(&found.gradients.rows).find(|(_, row)| lacks(row)) {
-            Some((name, _)) => Err(Evaluator::new(&self.family)
-                .refused_start(&found.poses, &Rejection::NoDerivative(name.clone()))),
-            None => Ok(found),
-        }
+        Ok(found)
     }
 
-    /// The same where measures may lack derivatives, which are NaN then: pieces have values all the same.
+    /// The measure by whose derivatives dimensions are ranked: the one called `name`, else the objective or, where that has none, the
+    /// first measure that has derivatives.
+    ///
+    /// # Errors
+    /// There is no measure of this name, or it has no derivatives; no measure has any.
+    pub fn ranking(
+        &self,
+        nominal: &NominalStudy,
+        name: Option<&str>,
+    ) -> Result<usize, FamilyError> {
+        let list = &self.family.measures.list;
+        let named = name.map(|name| self.measure(name)).transpose()?;
+        let preferred = named.or(self.family.study.objective).unwrap_or(0);
+        let others = (0..list.len()).filter(|_| named.is_none());
+        let mut candidates = std::iter::once(preferred).chain(others);
+        let found = candidates.find(|index| nominal.gradients.has_derivatives(*index));
+        found.ok_or_else(|| {
+            let rejection = Rejection::NoDerivative(list[preferred].name.clone());
+            Evaluator::new(&self.family).refused_start(&nominal.poses, &rejection)
+        })
+    }
+
+    /// The same for pieces, without extremes between the poses.
     ///
     /// # Errors
     /// A pose that does not exist, or a measure without a value.

@@ -107,11 +107,29 @@ impl Evaluator<'_> {
     /// # Errors
     /// A measure that has no value (names it).
     pub fn measure(&self, track_poses: &TrackPoses) -> Result<MeasureValues, Rejection> {
+        self.measured(track_poses, |_| true)
+    }
+
+    /// The same for a search, which looks at the objective and the limited measures only: others may have no value, and are NaN then.
+    ///
+    /// # Errors
+    /// One of those has no value (names it).
+    pub fn measure_sought(&self, track_poses: &TrackPoses) -> Result<MeasureValues, Rejection> {
+        self.measured(track_poses, |index| self.family.is_sought(index))
+    }
+
+    /// All measures, of which those that count must have values.
+    fn measured(
+        &self,
+        track_poses: &TrackPoses,
+        counts: impl Fn(usize) -> bool,
+    ) -> Result<MeasureValues, Rejection> {
         let shown = self.shown(track_poses);
         let (numbers, _) = self.numbers(track_poses, &shown);
         let measures = numbers[self.family.mechanism().inputs.len()..].to_vec();
-        match measures.iter().position(|v| !v.is_finite()) {
-            Some(bad) => {
+        let mut values = measures.iter().enumerate();
+        match values.find(|(index, value)| !value.is_finite() && counts(*index)) {
+            Some((bad, _)) => {
                 let name = self.family.measures.list[bad].name.clone();
                 Err(Rejection::NoValue(name))
             }

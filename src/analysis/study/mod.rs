@@ -3,6 +3,7 @@
 
 mod abreast;
 mod branch_breaks;
+mod branched;
 mod family;
 mod family_error;
 mod gradient;

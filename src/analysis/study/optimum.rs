@@ -7,14 +7,11 @@ use super::search::{Refusals, StudySearch, Watch};
 use super::track_poses::{Evaluator, TrackPoses};
 use super::whole_limits::{WholeLimit, whole_limits};
 use crate::analysis::optimise::{
-    Minimum, Objective, StopReason, bfgs, constraints, evolution, minimax, nelder_mead,
+    LET_PASS, Minimum, Objective, StopReason, bfgs, constraints, evolution, minimax, nelder_mead,
 };
 use crate::diag::Source;
 use crate::scene::{Overrides, load_scene};
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Accepted violation of a constraint, as a fraction of its bound.
-const LET_PASS: f64 = 1e-7;
 
 /// Length of the first step of a gradient search, as a share of the variables.
 const FIRST_STEP: f64 = 0.02;
@@ -28,9 +25,9 @@ const MEMBERS_PER_VARIABLE: usize = 8;
 /// The search method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
-    /// Simplex; tolerance of variables and values as they are.
+    /// Simplex.
     NelderMead {
-        /// Of both.
+        /// Of the variables, as shares of their sizes, and of the values, as a share of their differences in the first simplexes.
         tolerance: f64,
     },
     /// Quasi-Newton.
@@ -66,8 +63,9 @@ pub enum SearchMethod {
     Evolution,
 }
 
-/// Default tolerances: that of the usual simplex search, and the limits set by rounding.
-const SIMPLEX_TOLERANCE: f64 = 1e-4;
+/// Default tolerances: a simplex search halves its steps twenty times, for the six digits that are printed; those of gradients are set
+/// by rounding.
+const SIMPLEX_TOLERANCE: f64 = 1e-6;
 const GRADIENT_TOLERANCE: f64 = 1e-9;
 
 impl SearchMethod {
@@ -169,7 +167,7 @@ fn search_optimum(
                     value_tolerance: tolerance,
                     evaluations: 4 * iterations,
                 };
-                nelder_mead::minimise_nelder_mead(objective, x, &bounds, limits)
+                nelder_mead::minimise_nelder_mead(objective, x, &scales, &bounds, limits)
             }
             Method::Bfgs { tolerance } | Method::Minimax { tolerance } => {
                 newton(objective, x, tolerance)
@@ -291,7 +289,7 @@ pub fn verify_optimum(
         (nominal.error_bound, nominal.unproved, nominal.poses.len());
     let mut evaluator = Evaluator::new(&family);
     let track_poses = evaluator.nominal(nominal.poses);
-    let measured = evaluator.measure(&track_poses);
+    let measured = evaluator.measure_sought(&track_poses);
     let measures = measured
         .map_err(|r| FamilyError::Lacks(r.to_string()))?
         .measures;

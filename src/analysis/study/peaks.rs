@@ -1,6 +1,7 @@
 //! A study as a minimax problem: one function per pose if the objective is the largest value along a track, otherwise a
 //! single function.
 
+use super::branched::{BranchedMeasure, hides_kinks};
 use super::family::ParametricMechanism;
 use super::family_error::FamilyError;
 use super::row_reader::{list_rows, row_nearness};
@@ -18,14 +19,13 @@ const SHARE_OF_SIGMA: f64 = 0.1;
 const SLOPES_BELOW: f64 = 4.0;
 
 /// The quantity that is minimised.
-#[derive(Clone, Copy, Debug)]
 enum PeakObjective {
     /// The largest of the first rows.
     Largest,
     /// One number computed from the first rows.
     Reduced(Reduction),
     /// A measure of another kind.
-    Number(usize),
+    Number(BranchedMeasure),
 }
 
 /// A family with its objective, pose by pose if possible.
@@ -39,8 +39,9 @@ pub struct Peaks<'f, 'w> {
     objective: PeakObjective,
     /// Those of the objective if it has any, then those of the limits that apply pose by pose.
     rows: Vec<StudyRows<'f>>,
-    /// Limits of measures that are single numbers, as (measure, factor, shift).
-    singles: Vec<(usize, f64, f64)>,
+    /// Limits of measures that are single numbers.
+    singles: Vec<BranchedMeasure>,
+    hides_kinks: bool,
     /// Candidates that were refused.
     pub refusals: Refusals,
     /// Candidates rejected by the guard.
@@ -78,10 +79,15 @@ impl<'f, 'w> Peaks<'f, 'w> {
         let (objective, mut rows) = match (peaks, StudyRows::reduced(family, measure)) {
             (Some(peaks), _) => (PeakObjective::Largest, vec![peaks]),
             (None, Some((rows, reduction))) => (PeakObjective::Reduced(reduction), vec![rows]),
-            (None, None) => (PeakObjective::Number(minimised), Vec::new()),
+            (None, None) => {
+                let number = BranchedMeasure::new(family, minimised, 1.0, 0.0);
+                (PeakObjective::Number(number), Vec::new())
+            }
         };
         // The rows of every limit that is an extreme over a track.
         let mut singles = Vec::new();
+        let has_rows = matches!(objective, PeakObjective::Largest);
+        let mut hidden = hides_kinks(family, minimised, has_rows);
         for (index, measure) in measures.iter().enumerate() {
             for (bound, sign) in [(measure.max, 1.0), (measure.min, -1.0)] {
                 let Some(bound) = bound else { continue };
@@ -89,8 +95,12 @@ impl<'f, 'w> Peaks<'f, 'w> {
                 let shift = -sign * bound / size;
                 // Only the side of the extreme can be imposed pose by pose.
                 match StudyRows::of(family, measure).filter(|rows| rows.signs[0] == sign) {
+                    // Its poses are seen one by one, and those at a limit are seldom those of a kink.
                     Some(own) => rows.push(own.scaled(1.0 / size, shift)),
-                    None => singles.push((index, sign / size, shift)),
+                    None => {
+                        hidden |= hides_kinks(family, index, false);
+                        singles.push(BranchedMeasure::new(family, index, sign / size, shift));
+                    }
                 }
             }
         }
@@ -107,6 +117,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
             objective,
             rows,
             singles,
+            hides_kinks: hidden,
             refusals: Refusals::default(),
             guarded: 0,
             watch,
@@ -207,11 +218,12 @@ impl<'f, 'w> Peaks<'f, 'w> {
             values,
             slopes: rows,
             bend,
-        } = match self.objective {
+        } = match &self.objective {
             PeakObjective::Largest => lists.next().unwrap_or_default(),
             PeakObjective::Reduced(reduction) => reduction.of(lists.next().unwrap_or_default()),
-            PeakObjective::Number(index) => {
-                self.numbers(&track_poses, with_slopes)?.only_one(index)
+            PeakObjective::Number(number) => {
+                let (numbers, rows) = self.numbers(&track_poses, with_slopes)?;
+                number.listed(&numbers, &rows)
             }
         };
         let mut peak_values = PeakValues {
@@ -230,13 +242,14 @@ impl<'f, 'w> Peaks<'f, 'w> {
             peak_values.limits.append(&mut list.values);
             peak_gradients.limits.append(&mut list.slopes);
         }
+        // Then limits of measures that are one number.
         if !self.singles.is_empty() {
-            self.add_singles(
-                &track_poses,
-                with_slopes,
-                &mut peak_values,
-                &mut peak_gradients,
-            )?;
+            let (numbers, rows) = self.numbers(&track_poses, with_slopes)?;
+            for single in &self.singles {
+                let mut list = single.listed(&numbers, &rows);
+                peak_values.limits.append(&mut list.values);
+                peak_gradients.limits.append(&mut list.slopes);
+            }
         }
         let mut all = peak_values.peaks.iter().chain(&peak_values.limits);
         if !all.all(|v| v.is_finite()) || self.evaluator.is_cancelled() {
@@ -257,43 +270,24 @@ impl<'f, 'w> Peaks<'f, 'w> {
         Ok(Some((peak_values, peak_gradients)))
     }
 
-    /// Limits of measures that are one number.
-    fn add_singles(
+    /// Inputs and measures, the slots of formulas of measures, with their gradients if requested.
+    fn numbers(
         &self,
         track_poses: &TrackPoses,
         with_slopes: bool,
-        peak_values: &mut PeakValues,
-        peak_gradients: &mut PeakGradients,
-    ) -> Result<(), Rejection> {
-        let found = self.numbers(track_poses, with_slopes)?;
-        for (measure, factor, shift) in &self.singles {
-            peak_values
-                .limits
-                .push(factor * found.values[*measure] + shift);
-            if let Some(row) = found.slopes.get(*measure) {
-                peak_gradients
-                    .limits
-                    .push(row.iter().map(|d| d * factor).collect());
-            }
+    ) -> Result<(Vec<f64>, Vec<Vec<f64>>), Rejection> {
+        let family = self.evaluator.family();
+        let mut numbers = family.actuation.inputs_at(0.0);
+        numbers[family.own_inputs()..].copy_from_slice(&track_poses.values);
+        if !with_slopes {
+            numbers.extend(self.evaluator.measure_sought(track_poses)?.measures);
+            return Ok((numbers, Vec::new()));
         }
-        Ok(())
-    }
-
-    /// Every measure, with its gradient if requested.
-    fn numbers(&self, track_poses: &TrackPoses, with_slopes: bool) -> Result<Listed, Rejection> {
-        if with_slopes {
-            let found = self.evaluator.gradients(track_poses)?;
-            return Ok(Listed {
-                values: found.measures,
-                slopes: found.rows,
-                bend: None,
-            });
-        }
-        Ok(Listed {
-            values: self.evaluator.measure(track_poses)?.measures,
-            slopes: Vec::new(),
-            bend: None,
-        })
+        let found = self.evaluator.gradients(track_poses)?;
+        numbers.extend(found.measures);
+        let mut rows = family.input_rows();
+        rows.extend(found.rows);
+        Ok((numbers, rows))
     }
 }
 
@@ -342,6 +336,10 @@ impl MinimaxProblem for Peaks<'_, '_> {
             value,
             slope,
         })
+    }
+
+    fn hides_kinks(&self) -> bool {
+        self.hides_kinks
     }
 
     fn is_stopped(&self) -> bool {

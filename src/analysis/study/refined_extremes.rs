@@ -3,6 +3,7 @@
 //! changes is of second order.
 
 use super::family::{Nominal, ParametricMechanism};
+use super::family_error::FamilyError;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::rates::columns::{RateVariable, slot_series};
 use crate::kinematics::solve::newton::Pace;
@@ -59,6 +60,15 @@ impl ParametricMechanism {
             found.is_whole.push(is_whole);
         }
         found
+    }
+
+    /// The same family with poses at the extremes of measures along the drive.
+    ///
+    /// # Errors
+    /// A pose that does not exist.
+    pub fn with_extremes(self) -> Result<Self, FamilyError> {
+        let found = self.refined_extremes(&self.nominal()?);
+        Ok(self.at_more_times(found.times))
     }
 
     /// Whether all measures in a formula of measures are of the whole motion.

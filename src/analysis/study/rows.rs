@@ -31,21 +31,6 @@ pub(super) struct Listed {
     pub bend: Option<Vec<Vec<f64>>>,
 }
 
-impl Listed {
-    /// One of them alone.
-    pub fn only_one(mut self, index: usize) -> Self {
-        let slopes = match index < self.slopes.len() {
-            true => vec![self.slopes.swap_remove(index)],
-            false => Vec::new(),
-        };
-        Self {
-            values: vec![self.values[index]],
-            slopes,
-            bend: None,
-        }
-    }
-}
-
 impl<'f> StudyRows<'f> {
     /// The rows of a measure that is the largest or smallest value over poses.
     pub fn of(family: &'f ParametricMechanism, measure: &'f Measure) -> Option<Self> {

@@ -15,7 +15,7 @@ pub struct Refusals {
     pub not_reached: usize,
     /// A singular pose passed between two samples.
     pub branch_lost: usize,
-    /// A measure had no value.
+    /// The objective or a limited measure had no value or no derivative.
     pub no_value: usize,
 }
 
@@ -93,7 +93,7 @@ impl<'f, 'w> StudySearch<'f, 'w> {
         // Everything is measured at the file's own values, from which the search starts.
         let mut evaluator = Evaluator::new(family);
         let base = evaluator.nominal(family.nominal()?.poses);
-        let measured = evaluator.measure(&base);
+        let measured = evaluator.measure_sought(&base);
         let measures = measured.map_err(|refusal| evaluator.refused_start(&base, &refusal))?;
         Ok(Self {
             base_value: measures.measures[objective],
@@ -188,7 +188,10 @@ impl<'f, 'w> StudySearch<'f, 'w> {
             let found = self.evaluator.gradients(&track_poses)?;
             (found.measures, found.rows)
         } else {
-            (self.evaluator.measure(&track_poses)?.measures, Vec::new())
+            (
+                self.evaluator.measure_sought(&track_poses)?.measures,
+                Vec::new(),
+            )
         };
         // The next candidates are mostly near the best one, so they start from it.
         if measures[self.objective] < self.base_value {

@@ -133,30 +133,28 @@ fn tighten_bounds(
     asked: &ParametricMechanism,
     found: &FinishedStart,
 ) -> Option<bool> {
-    // Measured on finer tracks: the violations between the samples of the study.
+    // Measured on finer tracks and at the extremes along the drive: the violations between the samples of the study.
     let standing = standing_family(asked, found)?;
-    let measured = |family: &ParametricMechanism| {
-        let mut evaluator = Evaluator::new(family);
-        let track_poses = evaluator.nominal(family.nominal().ok()?.poses);
-        Some(evaluator.measure(&track_poses).ok()?.measures)
-    };
-    let measures = measured(&standing.with_finer_tracks(FINER))?;
+    let finer = standing.with_finer_tracks(FINER).with_extremes().ok()?;
+    let mut evaluator = Evaluator::new(&finer);
+    let track_poses = evaluator.nominal(finer.nominal().ok()?.poses);
+    let measures = evaluator.measure_sought(&track_poses).ok()?.measures;
     // Those that depend on the number of poses have no others.
     let inputs = asked.mechanism().inputs.len();
     let counted = asked.measures.depend_on_count(inputs);
-    let limits = &asked.study.limits;
     let mut missed = false;
     // Each violated limit is tightened by a multiple of its violation.
-    for (index, [min, max]) in limits.iter().filter(|(index, _)| !counted[*index]) {
-        let (value, measure) = (measures[*index], &mut family.measures.list[*index]);
-        if let (Some(max), Some(present)) = (max, &mut measure.max)
-            && value > *max
+    let tightened = family.measures.list.iter_mut().zip(&asked.measures.list);
+    let judged = tightened.zip(counted).zip(measures);
+    for (((measure, asked), _), value) in judged.filter(|((_, counted), _)| !counted) {
+        if let (Some(max), Some(present)) = (asked.max, &mut measure.max)
+            && value > max
         {
             *present -= DRAWN_IN * (value - max);
             missed = true;
         }
-        if let (Some(min), Some(present)) = (min, &mut measure.min)
-            && value < *min
+        if let (Some(min), Some(present)) = (asked.min, &mut measure.min)
+            && value < min
         {
             *present += DRAWN_IN * (min - value);
             missed = true;

@@ -147,10 +147,13 @@ impl SynthesisRun<'_> {
         let blank = FinishedStart::none(origin);
         let evaluator = Evaluator::new(family);
         // The objective where the search begins.
-        let first = evaluator.measure(&begun.track_poses).ok().and_then(|m| {
-            let objective = family.study.objective?;
-            m.measures.get(objective).copied()
-        });
+        let first = evaluator
+            .measure_sought(&begun.track_poses)
+            .ok()
+            .and_then(|m| {
+                let objective = family.study.objective?;
+                m.measures.get(objective).copied()
+            });
         let Some(first) = first else { return blank };
         let Ok(peaks) = Peaks::new(family, evaluator, begun.track_poses, Box::new(watch)) else {
             return blank;

@@ -75,7 +75,9 @@ pub struct MovingStart {
 impl MovingStart {
     /// The objective there; infinite where it has no value.
     fn value(&self) -> f64 {
-        let measured = Evaluator::new(&self.family).measure(&self.track_poses).ok();
+        let measured = Evaluator::new(&self.family)
+            .measure_sought(&self.track_poses)
+            .ok();
         let objective = self.family.study.objective;
         let value = measured.and_then(|m| m.measures.get(objective?).copied());
         value.filter(|v| v.is_finite()).unwrap_or(f64::INFINITY)

@@ -127,8 +127,9 @@ pub struct OptimiseArgs {
     /// range.
     #[arg(long, value_name = "SHARE", value_parser = proper_share)]
     pub within: Option<f64>,
-    /// Relative tolerance at which the search stops: on the gradient (bfgs), on values and variables (nelder-mead), on
-    /// the spread of the generation (evolution).
+    /// Relative tolerance at which the search stops: of the gradient (bfgs), of the variables relative to their values and of the
+    /// objective relative to its largest difference within a simplex (nelder-mead), of the predicted decrease (minimax), of the spread
+    /// of the generation (evolution).
     #[arg(long = "convergence", value_name = "VALUE", value_parser = relative_share)]
     pub tolerance: Option<f64>,
     /// Maximum number of iterations; of a study with limits, in each of its rounds.

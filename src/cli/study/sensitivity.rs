@@ -17,13 +17,10 @@ pub fn run_sensitivity(args: &SensitivityArgs, term: &Term) -> Result<Outcome, F
     let study = open_study(&args.scene, &args.vary, DefaultVariables::All, term)?;
     let family = &study.family;
     let nominal = study.nominal()?;
-    let rank = match &args.rank {
-        Some(name) => study.measure(name)?,
-        None => family.study.objective.unwrap_or(0),
-    };
+    let rank = study.ranking(&nominal, args.rank.as_deref())?;
     let allowed = match &args.scatter {
         Some((name, scatter)) => {
-            let measure = study.measure(name)?;
+            let measure = study.ranking(&nominal, Some(name))?;
             let unit = family.units(family.measures.list[measure].kind);
             Some((measure, scatter / unit))
         }

@@ -9,6 +9,7 @@ use super::body_constants::BodyConstants;
 use super::names::Names;
 use super::outputs::Scope;
 use super::parsing::parsed_expression;
+use super::range::limits_in_order;
 use super::rates::{FoundRates, TIME, find_derivative};
 use super::varied::Dependents;
 use crate::diag::{Diagnostic, Diagnostics, Span, name_hint, shown_number};
@@ -145,13 +146,15 @@ fn resolve_measure(
         None => Some(None),
         Some(text) => fixed_point(text, kind, scope, diagnostics).map(Some),
     });
+    let (min, max) = (min?, max?);
+    diagnostics.taken(limits_in_order(&item.name.value, [min, max], &item.limits))?;
     Some(Measure {
         name: item.name.value.clone(),
         kind,
         dimension,
         source,
-        min: min?,
-        max: max?,
+        min,
+        max,
         why: item.why.clone(),
         size: match kind {
             Kind::Angle => 1.0,

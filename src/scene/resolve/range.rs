@@ -1,6 +1,7 @@
-//! Limits on the numbers of a mechanism and of its bodies.
+//! Limits on the numbers of a mechanism and of its bodies, and those of measures.
 
 use crate::diag::{Diagnostic, Span, shown_number};
+use crate::scene::values::FormulaText;
 
 /// Largest fixed length or angle of a chain, and largest number of a body. Squares of lengths are multiplied, so a
 /// fourth power must be finite, with room for sums.
@@ -40,4 +41,23 @@ pub fn in_range(
     };
     let message = format!("{what} must be {range}, found {}", shown_number(value));
     Err(Diagnostic::error(message).at(span.clone()))
+}
+
+/// Rejects limits that no value keeps; `texts` are those of the ends that stand in one place.
+///
+/// # Errors
+/// The message for the first of them.
+pub fn limits_in_order(
+    name: &str,
+    [min, max]: [Option<f64>; 2],
+    texts: &[Option<FormulaText>; 2],
+) -> Result<(), Diagnostic> {
+    // Equal ones leave a single value.
+    let is_kept_by_some = min.zip(max).is_none_or(|(min, max)| min <= max);
+    let Some(text) = texts.iter().flatten().next().filter(|_| !is_kept_by_some) else {
+        return Ok(());
+    };
+    let message = format!("no value of `{name}` keeps these limits: `min` is greater than `max`");
+    let hint = "`min` is the smallest value allowed, `max` the greatest";
+    Err(Diagnostic::error(message).at(text.span.clone()).hint(hint))
 }

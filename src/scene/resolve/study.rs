@@ -5,6 +5,7 @@ use super::super::formula::compile::constant_node;
 use super::super::studies::{StudyFile, VariableFile};
 use super::names::{Meaning, Names};
 use super::parsing::parsed_expression;
+use super::range::limits_in_order;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::measure::Measure;
 use crate::model::mechanism::{AngleUnit, Kind};
@@ -96,7 +97,16 @@ impl Resolver<'_, '_> {
             };
             let kind = measures[index].kind;
             let mut value = |text: &Option<FormulaText>| self.value(text.as_ref()?, kind);
-            list.push((index, [value(&ends[0]), value(&ends[1])]));
+            let own = [value(&ends[0]), value(&ends[1])];
+            // What stands here takes the place of the measure's own limit, and the other end remains.
+            let all = [
+                own[0].or(measures[index].min),
+                own[1].or(measures[index].max),
+            ];
+            let order = limits_in_order(&name.value, all, ends);
+            if self.diagnostics.taken(order).is_some() {
+                list.push((index, own));
+            }
         }
         list
     }

@@ -337,15 +337,24 @@ fn a_singular_pose_takes_no_derivative_from_what_does_not_depend_on_it() {
     let report: Value = serde_json::from_slice(&w.run(&arguments).exits(0).stdout).unwrap();
     let sums = ["q", "v", "u"].map(|name| report["measures"][name]["linear_sum"].as_f64());
     assert_eq!(sums, [Some(0.1), Some(0.0), None]);
-    // Asked for all derivatives, the one that does not exist is named.
-    w.run(&["sensitivity", "s.toml"])
-        .exits(2)
-        .says(&["`u` has no derivative"]);
-    w.write(
-        "s.toml",
-        scene.replace("\nu = { of = \"psi\", take = \"first\" }", ""),
+    // Asked for all derivatives, the one that does not exist is named and the others are told; by itself it ranks nothing.
+    let arguments = ["sensitivity", "s.toml", "--out", "s.json"];
+    let text = w.run(&arguments).exits(0).text();
+    assert!(
+        text.contains("Without derivatives by all dimensions: u.\n"),
+        "{text}"
     );
-    w.run(&["sensitivity", "s.toml"]).exits(0);
+    let report: Value = serde_json::from_slice(&w.read("s.json")).unwrap();
+    assert_eq!(report["without_derivatives"], serde_json::json!(["u"]));
+    for row in report["dimensions"].as_array().unwrap() {
+        let slopes = &row["derivatives"];
+        assert!(slopes["q"].is_number() && slopes["v"].is_number(), "{row}");
+    }
+    for option in [["--rank", "u"], ["--scatter", "u=1"]] {
+        w.run(&[&["sensitivity", "s.toml"][..], &option].concat())
+            .exits(2)
+            .says(&["`u` has no derivative"]);
+    }
 }
 
 /// A four-bar that folds flat where d = a: the search ends there, and its motion may go on in either assembly.

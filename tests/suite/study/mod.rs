@@ -4,6 +4,8 @@ mod abreast;
 mod dead_centres;
 mod frozen;
 mod jacobians;
+mod kept_limits;
+mod kinked;
 mod pose_groups;
 mod search_pictures;
 mod studies;

@@ -101,11 +101,11 @@ fn the_slope_is_optimised_by_simplex_and_by_gradients() {
     assert!((search.value() - 5.592044069e-2).abs() < 1e-11);
     let (bounds, scales) = (search.bounds(), search.scales());
     let limits = nelder_mead::NelderMeadLimits {
-        x_tolerance: 1e-4,
-        value_tolerance: 1e-4,
+        x_tolerance: 1e-6,
+        value_tolerance: 1e-6,
         evaluations: 1000,
     };
-    let simplex = nelder_mead::minimise_nelder_mead(&mut search, &start, &bounds, limits);
+    let simplex = nelder_mead::minimise_nelder_mead(&mut search, &start, &scales, &bounds, limits);
     let mut search = StudySearch::new(&family, Box::new(|_, _, _| true)).unwrap();
     let limits = bfgs::BfgsLimits {
         gradient_tolerance: 1e-9,

@@ -456,13 +456,17 @@ fn mistakes_of_a_study_are_said_with_their_place() {
         .says(&["`miss` has no value: sqrt of -80"]);
     let faulty = CRANK.replace("of = \"alpha\"", "of = \"ln(h - 80)\"");
     w.write("faulty.toml", &faulty);
-    for verb in [&["sensitivity"][..], &["tolerance"], &["optimise"]] {
+    let minimised = &["optimise", "--minimise", "swing"];
+    for verb in [&["sensitivity"][..], &["tolerance"], minimised] {
         w.run(&[verb, &["faulty.toml"]].concat()).exits(2).says(&[
             "`swing` has no value: ln of ",
             "at pose ",
             " of back",
         ]);
     }
+    // What is neither minimised nor limited does not matter to a search.
+    let text = w.run(&["optimise", "faulty.toml"]).exits(0).text();
+    assert!(text.contains("no value"), "{text}");
     // No stroke of 500 is within reach: what comes nearest is shown, with the limit that it breaks.
     let far = CRANK.replace("\"change\" }", "\"change\", min = 500 }");
     w.write("far.toml", far);
