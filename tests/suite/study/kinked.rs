@@ -29,7 +29,7 @@ fn minimax_searches_follow_kinks_to_the_optimum() {
             "F = { of = \"abs(P.x-P.y) + 0.1*abs(P.x+P.y-21)\", take = \"first\" }",
             0.0,
         ),
-        ([4.0, 4.0], "F = \"-min(B-A, A-B) - min(A, 2)\"", -2.0),
+        ([-4.0, -3.0], "F = \"-min(B-A, A-B) - min(A, 2)\"", -2.0),
         ([4.0, 4.0], many, 0.4),
     ];
     for (start, formula, least) in cases {

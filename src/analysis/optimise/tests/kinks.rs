@@ -75,11 +75,28 @@ fn within_one(x: &[f64]) -> (f64, Vec<f64>) {
     ((x[0] - 2.0).abs() - 1.0, vec![(x[0] - 2.0).signum(), 0.0])
 }
 
+/// Seven kinks, least along A = B = 2.
+fn many(x: &[f64]) -> (f64, Vec<f64>) {
+    let (value, mut slope) = valley(x);
+    let (sum, past) = (x[0] + x[1] - 1.0, 0.1 * (x[0] + x[1] - 1.0).signum());
+    slope.iter_mut().for_each(|d| *d -= past);
+    let mut total = value - 0.1 * sum.abs();
+    for (k, x) in x.iter().enumerate() {
+        for at in [1.0, 2.0, 3.0] {
+            total += 0.1 * (x - at).abs();
+            slope[k] += 0.1 * (x - at).signum();
+        }
+    }
+    (total, slope)
+}
+
 /// The search goes to the lowest points of narrow valleys, or does not say that it converged.
 #[test]
 fn a_search_does_not_end_on_the_way_along_a_kink() {
     // From the kink or from beside it; the least value.
-    let cases: [(Sided, Option<Sided>, &[f64], f64); 6] = [
+    let cases: [(Sided, Option<Sided>, &[f64], f64); 8] = [
+        (many, None, &[4.0, 4.0], 0.4),
+        (many, None, &[-4.0, 3.0], 0.4),
         (valley, None, &[4.0, 4.0], 0.0),
         (valley, None, &[4.0, 1.0], 0.0),
         (bent, None, &[-1.2, 1.44], 0.0),
