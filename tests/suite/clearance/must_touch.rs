@@ -52,12 +52,12 @@ const ROWS: [Row; 6] = [
         words: &["must touch, but overlap by 0.100000 mm at t = 1.000000 s"],
     },
     Row {
-        u: "0.3*sin(2*pi*t)",
+        u: "0.6*t - 0.3",
         samples: "5",
         ends: [-0.3, 0.3],
         class: "below",
         words: &[
-            "must touch, but are 0.300000 mm apart at t = 0.250000 s and overlap by 0.300000 mm at t = 0.750000 s",
+            "must touch, but are 0.300000 mm apart at t = 1.000000 s and overlap by 0.300000 mm at t = 0.000000 s",
         ],
     },
     // They touch at all samples, and are deepest halfway between two of them.

@@ -111,8 +111,8 @@ fn scenes() -> Vec<(String, String)> {
     ];
     let mut list: Vec<(String, String)> = heights.map(|h| (h.to_owned(), lift(h))).into();
     // Bodies that must touch and part or cut, and half-spaces that overlap without end.
-    for u in ["0.3*t", "-0.3*t"] {
-        let touching = lift(&format!("\"1 + {u}\"")).replace(
+    for u in ["1 + 0.3*t", "1 - 0.3*t"] {
+        let touching = lift(&format!("\"{u}\"")).replace(
             "minimum = 0.5",
             "touching = [{ pair = [\"floor\", \"ball\"] }]",
         );
