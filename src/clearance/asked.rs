@@ -7,7 +7,7 @@ use super::motion::ProvedMotion;
 use super::neighbours::{Neighbours, joint_neighbours};
 use super::part::JudgedPart;
 use super::sweep::{Least, PairSweep};
-use super::touching::Touching;
+use super::touching::MustTouch;
 use crate::distance::bodies::BodyElements;
 use crate::model::clearance::{ClearanceRules, Ignored};
 
@@ -315,7 +315,7 @@ fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairRe
     let lowest = contact.low.min(sweep.lowest_alone(motion));
     least.bound = sweep.told(lowest.min(least.distance));
     least.is_certified = contact.is_certified;
-    let touching = Touching {
+    let touching = MustTouch {
         apart,
         farthest: contact.high.max(apart.distance),
         allowed,

@@ -2,7 +2,7 @@
 
 use super::part::{JudgedPart, PieceClearance, PieceReport};
 use super::sweep::{Least, PairSweep};
-use super::touching::{Moment, Touching};
+use super::touching::{Moment, MustTouch};
 pub use super::violations::{Violation, Violations};
 
 /// How a pair was judged.
@@ -130,7 +130,7 @@ pub struct PairReport {
     /// Distances at the sampled times; empty for excluded pairs.
     pub distances: Vec<f64>,
     /// Of pairs that must touch: how far apart they come.
-    pub touching: Option<Touching>,
+    pub touching: Option<MustTouch>,
     /// Seconds that looking at it took.
     pub seconds: f64,
     /// By how much its bound may stay below the minimum of a pair that passes: rounding of the poses.
@@ -150,7 +150,7 @@ impl PairReport {
 
     /// Whether bodies that must touch overlap by more than is allowed, or lie one in the other.
     pub fn is_pressed(&self) -> bool {
-        let is_deep = |t: &Touching| self.least.distance < -t.allowed || self.least.is_enclosed;
+        let is_deep = |t: &MustTouch| self.least.distance < -t.allowed || self.least.is_enclosed;
         self.touching.as_ref().is_some_and(is_deep)
     }
 

@@ -18,7 +18,7 @@ pub struct Moment {
 
 /// How far apart two bodies come that must touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touching {
+pub struct MustTouch {
     /// Where they were found farthest apart.
     pub apart: Moment,
     /// They are nowhere farther apart; infinite if unknown. How deep they may be in each other is the bound of the pair's

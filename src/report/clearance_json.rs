@@ -6,7 +6,7 @@ use super::clearance::{
 use super::pieces::pieces_document;
 use super::verdict::Status;
 use crate::clearance::check::{ClearanceReport, Judgement, PairReport, Violation, Violations};
-use crate::clearance::touching::Touching;
+use crate::clearance::touching::MustTouch;
 use crate::model::mechanism::Mechanism;
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -82,7 +82,7 @@ fn points_json(points: Option<[DVec3; 2]>) -> Value {
 }
 
 /// Where bodies that must touch are farthest apart, and whether that, or an overlap, is more than is allowed.
-fn touching_json(p: &PairReport, touching: &Touching) -> Value {
+fn touching_json(p: &PairReport, touching: &MustTouch) -> Value {
     json!({
         "apart": touching.apart.distance,
         "time": touching.apart.time,

@@ -8,7 +8,7 @@ use super::curvature::Curvature;
 use super::kept::BestKept;
 use super::minimax_poll::Poll;
 use super::minimax_problem::{largest_value, merit_value};
-use super::minimax_step::{MinimaxPoint, MinimaxStep, trust_unit};
+use super::minimax_step::{MinimaxPoint, MinimaxStep, first_unit, trust_unit};
 use super::{LET_PASS, Minimum, StopReason, VariableBounds};
 use nalgebra::DVector;
 use std::collections::VecDeque;
@@ -76,7 +76,7 @@ pub fn minimise_largest(
         return result;
     };
     // Exact penalty: the weight of the constraints is so large that violating one never pays.
-    let unit = trust_unit(merit_value(&values, 0.0), &gradients, scales, search.radius);
+    let unit = first_unit(merit_value(&values, 0.0), &gradients, scales, search.radius);
     let mut state = MinimaxState {
         problem,
         scales,

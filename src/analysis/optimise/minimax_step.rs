@@ -21,12 +21,29 @@ pub(super) fn trust_unit(
     scales: &[f64],
     radius: f64,
 ) -> f64 {
-    let reaches = peak_gradients
-        .peaks
-        .iter()
-        .map(|row| row_reach(row, scales, radius));
-    let floor = LEAST_UNIT * reaches.fold(0.0, f64::max);
+    let floor = LEAST_UNIT * largest_change(peak_gradients, scales, radius);
     merit.abs().max(floor).max(f64::MIN_POSITIVE)
+}
+
+/// The size of the values of a search: the first one, or, where it is about zero, the largest change within the first region.
+pub(super) fn first_unit(
+    merit: f64,
+    peak_gradients: &PeakGradients,
+    scales: &[f64],
+    radius: f64,
+) -> f64 {
+    let change = largest_change(peak_gradients, scales, radius);
+    let unit = match merit.abs() < LEAST_UNIT * change {
+        true => change,
+        false => merit.abs(),
+    };
+    unit.max(f64::MIN_POSITIVE)
+}
+
+fn largest_change(peak_gradients: &PeakGradients, scales: &[f64], radius: f64) -> f64 {
+    let rows = peak_gradients.peaks.iter();
+    rows.map(|row| row_reach(row, scales, radius))
+        .fold(0.0, f64::max)
 }
 
 /// The largest change of a linearised function within the region.

@@ -756,7 +756,7 @@ fn pictures_far_from_the_origin_are_those_at_the_origin() {
                 "render",
                 &["--at", "1", "--size", "300x200", "--joints"][..],
             ),
-            ("draw", &["--width", "500"]),
+            ("draw", &["--width", "500", "--at", "0.7"]),
         ] {
             let out = name(verb);
             let mut line = vec![verb, "crane.toml", "--out", &out];

@@ -108,7 +108,7 @@ fn equations_have_all_their_roots() {
     ] {
         for unit in [1e-3, 1.0, 1e3] {
             let text = format!(
-                "units = {{ angle = \"deg\" }}\n{}",
+                "units = {{ angle = \"deg\" }}\nduration = 1\n{}",
                 text.replace('K', &unit.to_string())
             );
             let source = Source {

@@ -44,7 +44,7 @@ fn minimax_searches_follow_kinks_to_the_optimum() {
             let line = text.lines().find_map(|line| {
                 let line = line.trim();
                 line.strip_prefix("least F ")
-                    .or(line.strip_prefix("F: ")?.split(" to ").nth(1))
+                    .or_else(|| line.strip_prefix("F: ")?.split(" to ").nth(1))
             });
             let value = line.and_then(|rest| rest.split([' ', ':']).next()?.parse::<f64>().ok());
             let value = value.unwrap_or_else(|| panic!("{text}"));
