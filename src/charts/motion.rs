@@ -125,8 +125,8 @@ pub fn plot_of_outputs(mechanism: &Mechanism, actuation: &Actuation, chosen: &[b
     }
 }
 
-/// Whether an angle begins anew, a turn less or more, between a value and the one before: the step is more than half a turn, and
-/// without that turn it is more like a step beside it. An angle that turns fast has no such place.
+/// Whether an angle begins anew, a turn less or more, between a value and the one before: the step is more than half a turn, but
+/// not without that turn, as a step beside it. An angle that turns fast has no such place.
 fn is_wrap(value: impl Fn(usize) -> Option<f64>, place: usize, half_turn: f64) -> bool {
     let step = |place: usize| Some(value(place)? - value(place.checked_sub(1)?)?);
     let Some(own) = step(place).filter(|own| own.abs() > half_turn) else {
@@ -138,7 +138,7 @@ fn is_wrap(value: impl Fn(usize) -> Option<f64>, place: usize, half_turn: f64) -
         return true;
     };
     let turned = own - (2.0 * half_turn).copysign(own);
-    (turned - usual).abs() < (own - usual).abs()
+    turned.abs() <= half_turn && usual.abs() <= half_turn
 }
 
 /// The only moving input, if it never reverses.

@@ -230,7 +230,7 @@ fn the_bound_of_a_distance_that_is_zero_is_told() {
         let rest = line[3..].trim_start();
         assert!(rest.starts_with(value), "{said}");
         assert!(
-            measure["value"].as_f64().unwrap().is_sign_positive() == !value.starts_with('-'),
+            measure["value"].as_f64().unwrap().is_sign_positive() != value.starts_with('-'),
             "{said}"
         );
         // The same bound in both.
