@@ -277,7 +277,7 @@ mod tests {
                 "disc",
                 Coverage::of_disc([20.0, 15.0], 7.0, PICTURE),
                 153.94,
-                0.6,
+                1.0,
             ),
             (
                 "point",
