@@ -14,3 +14,4 @@ pub mod precision;
 pub mod search;
 pub mod sensitivity;
 pub mod sweep;
+mod wraps;

@@ -2,6 +2,7 @@
 //! says so.
 
 use super::gaps::{gap_shades, leave_out_outliers};
+use super::wraps::is_wrap;
 use crate::kinematics::rates::columns::{RateVariable, slot_series};
 use crate::kinematics::rates::rated::rate_values;
 use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
@@ -123,22 +124,6 @@ pub fn plot_of_outputs(mechanism: &Mechanism, actuation: &Actuation, chosen: &[b
         marks: Vec::new(),
         lines: Vec::new(),
     }
-}
-
-/// Whether an angle begins anew, a turn less or more, between a value and the one before: the step is more than half a turn, but
-/// not without that turn, as a step beside it. An angle that turns fast has no such place.
-fn is_wrap(value: impl Fn(usize) -> Option<f64>, place: usize, half_turn: f64) -> bool {
-    let step = |place: usize| Some(value(place)? - value(place.checked_sub(1)?)?);
-    let Some(own) = step(place).filter(|own| own.abs() > half_turn) else {
-        return false;
-    };
-    let beside = [place.checked_sub(1).and_then(step), step(place + 1)];
-    let beside = beside.into_iter().flatten();
-    let Some(usual) = beside.min_by(|a, b| a.abs().total_cmp(&b.abs())) else {
-        return true;
-    };
-    let turned = own - (2.0 * half_turn).copysign(own);
-    turned.abs() <= half_turn && usual.abs() <= half_turn
 }
 
 /// The only moving input, if it never reverses.
@@ -426,26 +411,5 @@ fn event_word(event: &Event, place: f64, x: &Abscissa) -> String {
         EventKind::StartSingular => "singular start".to_owned(),
         EventKind::AxesParallel { contact } => format!("{contact} touches along a line"),
         EventKind::StartNotClosed { .. } | EventKind::BranchChosen { .. } => String::new(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn angles_wrap_where_a_turn_is_lost_and_nowhere_else() {
-        let wrapped = |rate: f64| move |k: usize| ((rate * k as f64 + 170.0) % 360.0) - 180.0;
-        let fast = |k: usize| 800.0 * k as f64;
-        let swift = |k: usize| 9000.0 * (0.3 * k as f64).sin();
-        let count = |at: &dyn Fn(usize) -> f64| {
-            let value = |k: usize| (k < 100).then(|| at(k));
-            (1..100).filter(|k| is_wrap(value, *k, 180.0)).count()
-        };
-        assert_eq!(count(&wrapped(7.0)), 2);
-        assert_eq!(count(&wrapped(100.0)), 27);
-        assert_eq!(count(&wrapped(-7.0)), 1);
-        assert_eq!(count(&fast), 0);
-        assert_eq!(count(&swift), 0);
     }
 }

@@ -33,7 +33,7 @@ impl PairClearance {
         let (a, b) = &self.bodies;
         let apart = self
             .apart
-            .map(|apart| format!(" (at most {apart:.4} found, must touch)"));
+            .map(|apart| format!(" (must touch, largest gap found {apart:.4})"));
         format!(
             "<{a} / {b}: {:.4} at {:.4} s{}, {word}>",
             self.distance,

@@ -111,8 +111,8 @@ impl Objective for Penalised<'_> {
 /// Minimises under constraints by repeated calls of `run`, which minimises without constraints.
 ///
 /// `tolerance` is the accepted violation, in the constraints' own `scales`. The value of the minimum is that of the
-/// function without penalties. If the search ends at a point that violates
-/// them although some candidate keeps them, the start among these, the best such one is the minimum.
+/// function without penalties. If the search ends at a point that violates constraints although some candidate, the start
+/// among them, keeps them all, the best such candidate is the minimum.
 pub fn minimise_constrained(
     inner: &mut dyn Constrained,
     start: &[f64],
