@@ -3,6 +3,7 @@
 
 use super::flaps::each_sheet;
 use super::shell_surface::{ShellSurface, oriented};
+use crate::sorting::sort;
 use glam::DVec3;
 
 /// A shell encloses nothing if the volumes over its triangles cancel to this share of their sum: rounding leaves some 1e-16 for
@@ -115,7 +116,7 @@ fn opposite_triangles(triangles: &[[u32; 3]]) -> Vec<SameCorners> {
         let is_even = (0..3).any(|turn| [0, 1, 2].map(|i| corners[(turn + i) % 3]) == sorted);
         (sorted, is_even, k)
     }));
-    all.sort_unstable();
+    sort(&mut all);
     let mut groups = Vec::new();
     for same in all.chunk_by(|a, b| a.0 == b.0) {
         let (odd, even) = same.split_at(same.partition_point(|item| !item.1));

@@ -28,6 +28,7 @@ pub mod palette;
 pub mod parquet;
 pub mod place;
 pub mod png;
+pub mod png_indexed;
 pub mod png_rows;
 pub mod png_strips;
 pub mod raw;

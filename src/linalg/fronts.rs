@@ -6,6 +6,7 @@
 //! further rows can be reduced by them.
 
 use super::pivoted_qr::PivotedQr;
+use crate::sorting::sort_by_key;
 use std::collections::BTreeMap;
 
 /// Column and value of the entries of a row.
@@ -166,7 +167,7 @@ impl Fronts {
 impl DenseFront {
     fn new(rows: &[SparseRow], is_own: impl Fn(usize) -> bool) -> Self {
         let mut columns: Vec<usize> = rows.iter().flatten().map(|entry| entry.0).collect();
-        columns.sort_unstable_by_key(|column| (!is_own(*column), *column));
+        sort_by_key(&mut columns, |column| (!is_own(*column), *column));
         columns.dedup();
         // The front's own columns come first.
         let own = columns.partition_point(|column| is_own(*column));

@@ -7,6 +7,7 @@
 pub use super::function::Function;
 use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Scalar;
+use crate::sorting::sort_by_key;
 
 /// One operation; operands are the indices of earlier ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -380,7 +381,7 @@ fn combine_affine(a: &Affine, x: Constant, b: &Affine, y: Constant) -> Affine {
     }
     // A coefficient that cancels to 31 digits is taken as zero only if it is.
     terms.retain(|(_, c)| *c != ZERO);
-    terms.sort_unstable_by_key(|(s, _)| *s);
+    sort_by_key(&mut terms, |(s, _)| *s);
     Affine {
         constant: x * a.constant + y * b.constant,
         terms,

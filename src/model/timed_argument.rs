@@ -8,6 +8,7 @@ use super::expression::continuity::Jumps;
 use super::expression::{Expression, Op};
 use super::mechanism::Mechanism;
 use crate::numbers::constant::Constant;
+use crate::sorting::sort_by_number;
 
 /// Inputs with more keys than this are not followed piece by piece.
 const MOST_PIECES: usize = 1000;
@@ -44,7 +45,7 @@ impl TimedArgument {
         for slot in &slots {
             keys.extend(drive(*slot)?.keys());
         }
-        keys.sort_unstable_by(f64::total_cmp);
+        sort_by_number(&mut keys, |number| *number);
         keys.dedup();
         if keys.len() > MOST_PIECES {
             return None;

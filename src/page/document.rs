@@ -5,6 +5,7 @@ use super::engine::PackedEngine;
 use super::markup::{Cell, Section, Table, escaped, script_json, state_class};
 use super::packing::packed_text;
 use base64::prelude::{BASE64_STANDARD, Engine};
+use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
@@ -14,7 +15,7 @@ const STYLE: &str = include_str!("web/report.css");
 /// The 3-D view, then the controls of the page; in this order, since the second uses the first.
 const SCRIPTS: [&str; 2] = [include_str!("web/viewer.js"), include_str!("web/report.js")];
 
-/// Unpacks what a live page holds; before the others, and in the worker.
+/// Unpacks what a live page holds, and runs the scripts among it. The worker contains a copy.
 const UNPACK: &str = include_str!("web/unpack.js");
 
 /// The type of an element whose text is packed.
@@ -24,7 +25,10 @@ const PACKED: &str = "application/octet-stream";
 const LIVE: &str = include_str!("web/live.js");
 
 /// Contains the engine; the page creates a worker from it.
-const WORKER: &str = include_str!("web/worker.js");
+const WORKER: &str = concat!(
+    include_str!("web/assemble.js"),
+    include_str!("web/worker.js")
+);
 
 /// The whole file. `title` is used if the page contains several mechanisms; with an `engine`, live articles can be
 /// moved.
@@ -35,7 +39,7 @@ pub fn page_text(title: &str, articles: &[Article], engine: Option<&PackedEngine
     };
     let scripts: Vec<&str> = match engine {
         None => SCRIPTS.to_vec(),
-        Some(_) => [&[UNPACK], &SCRIPTS[..], &[LIVE]].concat(),
+        Some(_) => [&SCRIPTS[..], &[LIVE]].concat(),
     };
     let mut out = page_head(title, &scripts, engine.is_some());
     let depth = match articles {
@@ -90,44 +94,67 @@ pub(super) fn linked_text(articles: &[Article; 2], sections: &[Section]) -> Stri
     out
 }
 
-/// The footer, the data, the engine, the scripts.
+/// An element that is not seen: data, or a script.
+struct HeldElement<'a> {
+    id: &'a str,
+    kind: &'a str,
+    text: &'a str,
+}
+
+impl<'a> HeldElement<'a> {
+    fn script(id: &'a str, text: &'a str) -> Self {
+        let kind = "text/javascript";
+        Self { id, kind, text }
+    }
+
+    fn write(&self, out: &mut String) {
+        let id = match self.id {
+            "" => String::new(),
+            id => format!(" id=\"{id}\""),
+        };
+        let _ = writeln!(
+            out,
+            "<script type=\"{}\"{id}>{}</script>",
+            self.kind, self.text
+        );
+    }
+}
+
+/// All elements as one text, which the script that unpacks makes elements again.
+fn packed_elements(held: &[HeldElement]) -> Option<String> {
+    let listed = held
+        .iter()
+        .map(|element| json!({"id": element.id, "type": element.kind, "text": element.text}));
+    packed_text(Value::from_iter(listed).to_string().as_bytes()).ok()
+}
+
+/// The footer, the data, the engine, the scripts. A live page holds them packed.
 fn write_end(
     out: &mut String,
     articles: &[Article],
     scripts: &[&str],
     engine: Option<&PackedEngine>,
 ) {
-    let data = articles.iter().map(|article| article.data.clone());
-    let data = script_json(&data.collect());
-    // Only a live page has the script that unpacks.
-    let packed = engine.and_then(|_| packed_text(data.as_bytes()).ok());
-    let [kind, data] = match &packed {
-        Some(packed) => [PACKED, packed],
-        None => ["application/json", &data],
-    };
-    let _ = write!(
+    let _ = writeln!(
         out,
-        "<footer>Made by mechanim {}. This file needs no network.</footer>\n</main>\n\
-         <script type=\"{kind}\" id=\"data\">{data}</script>\n",
+        "<footer>Made by mechanim {}. This file needs no network.</footer>\n</main>",
         env!("CARGO_PKG_VERSION"),
     );
-    if let Some(engine) = engine {
-        let _ = writeln!(
-            out,
-            "<script type=\"{PACKED}\" id=\"engine\">{}</script>\n\
-             <script type=\"text/plain\" id=\"worker\">{WORKER}</script>",
-            engine.text
-        );
+    let data = articles.iter().map(|article| article.data.clone());
+    let data = script_json(&data.collect());
+    let element = |id, kind, text| HeldElement { id, kind, text };
+    let mut held = vec![element("data", "application/json", &data)];
+    held.extend(engine.map(|_| element("worker", "text/plain", WORKER)));
+    held.extend(scripts.iter().map(|text| HeldElement::script("", text)));
+    let packed = engine.and_then(|engine| Some((engine, packed_elements(&held)?)));
+    if let Some((engine, packed)) = &packed {
+        held = vec![
+            element("engine", PACKED, &engine.text),
+            element("packed", PACKED, packed),
+            HeldElement::script("unpack", UNPACK),
+        ];
     }
-    for script in scripts {
-        // The worker takes a copy of the script that unpacks.
-        let id = if *script == UNPACK {
-            " id=\"unpack\""
-        } else {
-            ""
-        };
-        let _ = writeln!(out, "<script{id}>{script}</script>");
-    }
+    held.iter().for_each(|element| element.write(out));
     out.push_str("</body>\n</html>\n");
 }
 
@@ -135,7 +162,9 @@ fn write_end(
 /// requested from any address. A live page may also compile its engine, in a worker that it creates itself.
 fn content_policy(scripts: &[&str], is_live: bool) -> String {
     let hash = |text: &str| format!("'sha256-{}'", BASE64_STANDARD.encode(Sha256::digest(text)));
-    let mut allowed: Vec<String> = scripts.iter().map(|script| hash(script)).collect();
+    let unpack = is_live.then_some(&UNPACK);
+    let scripts = unpack.into_iter().chain(scripts);
+    let mut allowed: Vec<String> = scripts.map(|script| hash(script)).collect();
     let mut workers = "";
     if is_live {
         allowed.push("'wasm-unsafe-eval'".to_owned());

@@ -1,6 +1,7 @@
 //! The engine of a live page: a file built from `bindings/web`, encoded as text.
 
 use super::packing::packed_text;
+use super::wasm_parts::sorted_parts;
 
 /// A mark in the engine's file by which the program recognises a file of its own version.
 pub const STAMP: &str = concat!("mechanim-web ", env!("CARGO_PKG_VERSION"), "\n");
@@ -26,7 +27,9 @@ impl PackedEngine {
         if !wasm.windows(stamp.len()).any(|part| part == stamp) {
             return Err(format!("it is not the engine `{}`", STAMP.trim_end()));
         }
-        let text = packed_text(wasm).map_err(|error| error.to_string())?;
+        let sorted = sorted_parts(wasm);
+        let bytes = sorted.as_deref().unwrap_or(wasm);
+        let text = packed_text(bytes).map_err(|error| error.to_string())?;
         Ok(Self { text })
     }
 }

@@ -17,6 +17,7 @@ mod packing;
 mod quantities;
 mod site;
 mod still;
+mod wasm_parts;
 
 pub use article::{Article, article_of, article_without_motion};
 pub use checked::CheckedMotion;

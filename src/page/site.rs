@@ -3,7 +3,7 @@
 use super::article::Article;
 use super::document::whole_text;
 use super::markup::{escaped, state_class};
-use crate::export::png::{Effort, encode_png};
+use crate::export::png_indexed::encode_indexed;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use image::imageops::{FilterType, resize};
 use std::fmt::Write;
@@ -42,7 +42,7 @@ fn small_picture(png: &[u8]) -> Option<Vec<u8>> {
     let whole = image::load_from_memory(png).ok()?.to_rgba8();
     let small = resize(&whole, SMALL[0], SMALL[1], FilterType::Triangle);
     let mut out = Vec::new();
-    encode_png(&small, Effort::Small, &mut out).ok()?;
+    encode_indexed(&small, &mut out).ok()?;
     Some(out)
 }
 

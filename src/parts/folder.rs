@@ -5,7 +5,7 @@ use super::part::{PartFile, is_whole, part_name};
 use super::plan::StudyPlan;
 use super::stored::read_text;
 use crate::export::PendingFile;
-use crate::sorting::sort_by;
+use crate::sorting::{sort, sort_by};
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -122,7 +122,7 @@ impl Folder {
         let entries = fs::read_dir(self.parts_folder()).into_iter().flatten();
         let times = entries.filter_map(|entry| entry.ok()?.metadata().ok()?.modified().ok());
         let mut times: Vec<SystemTime> = times.collect();
-        times.sort_unstable();
+        sort(&mut times);
         times
     }
 
@@ -148,7 +148,7 @@ impl Folder {
         sort_by(&mut parts, |a, b| {
             (a.items.start, &a.path).cmp(&(b.items.start, &b.path))
         });
-        faults.sort_unstable();
+        sort(&mut faults);
         Ok((parts, faults))
     }
 

@@ -5,7 +5,7 @@
 //! round. This needs no order among the edges, and a sweep from below divides everything, whatever the edges cross. A
 //! triangulation of polygons with holes would need the union first.
 
-use crate::sorting::sort_by_number;
+use crate::sorting::{sort_by, sort_by_number};
 use glam::DVec2;
 
 /// Most stripes across a region: more could not be seen, and would only fill the memory.
@@ -174,7 +174,7 @@ impl<'e> Sweep<'e> {
             self.active.push(self.next);
             self.next += 1;
         }
-        self.active.sort_unstable_by(|a, b| {
+        sort_by(&mut self.active, |a, b| {
             let order = edges[*a].at(middle).total_cmp(&edges[*b].at(middle));
             order.then(a.cmp(b))
         });

@@ -14,6 +14,7 @@ use crate::numbers::interval::Interval;
 use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::Scalar;
 use crate::numbers::series::Series;
+use crate::sorting::sort_by_number;
 
 /// Newton steps that refine the time of a jump from f64 to all digits.
 const STEPS: usize = 3;
@@ -62,7 +63,7 @@ impl Expression {
             let near = near.filter(|t| about.lo <= *t && *t <= about.hi);
             let all = near.flat_map(|t| [t.next_down(), t, t.next_up()]);
             let mut all: Vec<f64> = all.filter(|t| from <= *t && *t <= to).collect();
-            all.sort_unstable_by(f64::total_cmp);
+            sort_by_number(&mut all, |number| *number);
             all
         };
         let [starts, ends] = [from, to].map(beside);

@@ -475,9 +475,7 @@ class Playheads {
 }
 
 if (typeof document !== "undefined") {
-  const held = document.getElementById("data");
-  const isPlain = held.type === "application/json";
-  const all = JSON.parse(isPlain ? held.textContent : new TextDecoder().decode(unpacked(bytesOf(held.textContent))));
+  const all = JSON.parse(document.getElementById("data").textContent);
   window.reports = all.map((data, k) => new Report(document.getElementById(`scene-${k + 1}`), data, k + 1));
   if (document.querySelector("[data-linked]")) {
     const moving = window.reports.filter((report) => report.data.times.length);

@@ -1,5 +1,5 @@
 "use strict";
-// What a live page holds packed: the engine and the models. Bytes in the format of .lzma files, which browsers do not unpack
+// What a live page holds packed: the engine, the models and the other scripts. Bytes in the format of .lzma files, which browsers do not unpack
 // themselves, written as printable characters. LZMA is described in Pavlov's `lzma-specification.txt`.
 
 /** Thirteen digits of this base are eleven bytes. */
@@ -206,5 +206,16 @@ function unpacked(bytes) {
   }
   return out;
 }
+
+/** Makes what is packed elements of the page; scripts run at once, in their order. */
+function unfold(packed) {
+  for (const { text, ...attributes } of JSON.parse(new TextDecoder().decode(unpacked(bytesOf(packed.textContent))))) {
+    const element = Object.assign(document.createElement("script"), attributes);
+    element.textContent = text;
+    document.body.append(element);
+  }
+}
+
+if (typeof document !== "undefined") unfold(document.getElementById("packed"));
 
 if (typeof module !== "undefined") module.exports = { bytesOf, unpacked };

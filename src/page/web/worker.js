@@ -17,7 +17,7 @@ function answerTo(question) {
 self.onmessage = async ({ data }) => {
   try {
     if (data.packed) {
-      self.postMessage({ id: data.id, answer: await WebAssembly.compile(unpacked(bytesOf(data.packed))) });
+      self.postMessage({ id: data.id, answer: await WebAssembly.compile(assembled(unpacked(bytesOf(data.packed)))) });
       return;
     }
     if (data.engine) {

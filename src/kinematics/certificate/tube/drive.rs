@@ -6,6 +6,7 @@ use crate::model::expression::Expression;
 use crate::model::expression::jumps::Jump;
 use crate::model::expression::pieces::around_instant;
 use crate::numbers::interval::Interval;
+use crate::sorting::sort_by_number;
 
 /// A time interval, mapped to -1 to 1 in `s`.
 #[derive(Clone, Copy, Debug)]
@@ -126,7 +127,7 @@ pub fn keys_between(drives: &[Drive], start: f64, end: f64) -> Vec<f64> {
 pub fn distinct_between(mut keys: Vec<f64>, start: f64, end: f64) -> Vec<f64> {
     let [first, last] = [start, end].map(around_instant);
     keys.retain(|t| first.hi < *t && *t < last.lo);
-    keys.sort_unstable_by(f64::total_cmp);
+    sort_by_number(&mut keys, |number| *number);
     keys.dedup_by(|b, a| *b <= around_instant(*a).hi);
     keys
 }

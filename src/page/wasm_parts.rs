@@ -1,0 +1,502 @@
+//! A WebAssembly file with its parts sorted by kind: operations by operations, constants by constants. Packed, they are an
+//! eighth smaller than in their order, and nothing is lost. `web/assemble.js` puts them together again; what follows
+//! each operation travels with them as a table.
+//!
+//! Binary format of WebAssembly 2.0, sections 5.4 (instructions) and 5.5 (modules).
+
+/// The first byte of a sorted file. A plain one begins with zero.
+const SORTED: u8 = 1;
+
+/// Version and magic number come before the sections.
+const HEAD: usize = 8;
+
+/// Which section holds the functions' bodies.
+const CODE: u8 = 10;
+
+/// An addition, before which constants are mostly offsets.
+const ADD: u8 = 0x6a;
+
+/// Operations of two parts: those on blocks of memory, and those on four lanes.
+const PREFIXES: [u8; 2] = [0xfc, 0xfd];
+
+/// Operations whose second part is below this number.
+const SECONDS: usize = 256;
+
+/// Lists of parts.
+const KINDS: usize = 15;
+
+/// The kinds of parts, in the order of their lists.
+#[derive(Clone, Copy)]
+enum Kind {
+    /// Everything but the bodies of functions.
+    Rest,
+    /// Types of local variables.
+    Declarations,
+    Operations,
+    Blocks,
+    Labels,
+    Calls,
+    /// How many others were used since the last use of a local variable.
+    Locals,
+    Globals,
+    /// What natural alignment is less than.
+    Alignments,
+    Offsets,
+    /// Constants to which something is added.
+    Addends,
+    Integers,
+    Longs,
+    Floats,
+    Others,
+}
+
+/// What follows an operation. The numbers are known to the page.
+#[derive(Clone, Copy, PartialEq)]
+enum Operands {
+    Unknown,
+    None,
+    Block,
+    End,
+    Label,
+    /// A number of labels, they, and one more.
+    Labels,
+    Call,
+    Local,
+    Global,
+    /// Alignment and offset.
+    Memory,
+    /// The same and a lane.
+    MemoryLane,
+    Integer,
+    Long,
+    Float,
+    Double,
+    Vector,
+    /// Other numbers, so many.
+    One,
+    Two,
+    /// A number of types, and they.
+    Types,
+    Lane,
+    /// The operation's second part.
+    Second,
+}
+
+/// Operands of the operations from one number to another, both included.
+const PLAIN: &[(u8, u8, Operands)] = &[
+    (0x00, 0x01, Operands::None),
+    (0x02, 0x04, Operands::Block),
+    (0x05, 0x05, Operands::None),
+    (0x0b, 0x0b, Operands::End),
+    (0x0c, 0x0d, Operands::Label),
+    (0x0e, 0x0e, Operands::Labels),
+    (0x0f, 0x0f, Operands::None),
+    (0x10, 0x10, Operands::Call),
+    (0x11, 0x11, Operands::Two),
+    (0x1a, 0x1b, Operands::None),
+    (0x1c, 0x1c, Operands::Types),
+    (0x20, 0x22, Operands::Local),
+    (0x23, 0x24, Operands::Global),
+    (0x25, 0x26, Operands::One),
+    (0x28, 0x3e, Operands::Memory),
+    (0x3f, 0x40, Operands::One),
+    (0x41, 0x41, Operands::Integer),
+    (0x42, 0x42, Operands::Long),
+    (0x43, 0x43, Operands::Float),
+    (0x44, 0x44, Operands::Double),
+    (0x45, 0xc4, Operands::None),
+    (0xd0, 0xd0, Operands::One),
+    (0xd1, 0xd1, Operands::None),
+    (0xd2, 0xd2, Operands::One),
+    (0xfc, 0xfd, Operands::Second),
+];
+
+/// The same behind the prefixes.
+const SECOND: [&[(u8, u8, Operands)]; 2] = [
+    &[
+        (0, 7, Operands::None),
+        (8, 8, Operands::Two),
+        (9, 9, Operands::One),
+        (10, 10, Operands::Two),
+        (11, 11, Operands::One),
+        (12, 12, Operands::Two),
+        (13, 13, Operands::One),
+        (14, 14, Operands::Two),
+        (15, 17, Operands::One),
+    ],
+    &[
+        (0, 11, Operands::Memory),
+        (12, 13, Operands::Vector),
+        (14, 20, Operands::None),
+        (21, 34, Operands::Lane),
+        (35, 83, Operands::None),
+        (84, 91, Operands::MemoryLane),
+        (92, 93, Operands::Memory),
+        (94, 255, Operands::None),
+    ],
+];
+
+/// The first plain load.
+const FIRST_LOAD: usize = 0x28;
+
+/// Natural alignment of plain loads and stores, as powers of two.
+const NATURAL: [u8; 23] = [
+    2, 3, 2, 3, 0, 0, 1, 1, 0, 0, 1, 1, 2, 2, 2, 3, 2, 3, 0, 1, 0, 1, 2,
+];
+
+/// A function has fewer local variables.
+const MOST_LOCALS: usize = 50_000;
+
+/// Natural alignment is written this many bits above the operands.
+const ABOVE: u32 = 5;
+
+/// What follows an operation, and its natural alignment.
+#[derive(Clone, Copy)]
+struct Entry {
+    operands: Operands,
+    natural: u8,
+}
+
+/// Entries of all operations: plain ones, then those behind each prefix.
+struct OperandTable([[Entry; SECONDS]; 3]);
+
+impl OperandTable {
+    fn new() -> Self {
+        let unknown = Entry {
+            operands: Operands::Unknown,
+            natural: 0,
+        };
+        let mut table = [[unknown; SECONDS]; 3];
+        for (row, ranges) in table.iter_mut().zip([PLAIN, SECOND[0], SECOND[1]]) {
+            for (first, last, operands) in ranges {
+                let entries = &mut row[usize::from(*first)..=usize::from(*last)];
+                entries.iter_mut().for_each(|e| e.operands = *operands);
+            }
+        }
+        for (entry, natural) in table[0][FIRST_LOAD..].iter_mut().zip(NATURAL) {
+            entry.natural = natural;
+        }
+        Self(table)
+    }
+
+    /// A byte for each.
+    fn bytes(&self) -> impl Iterator<Item = u8> + '_ {
+        let entries = self.0.as_flattened().iter();
+        entries.map(|entry| entry.operands as u8 | entry.natural << ABOVE)
+    }
+}
+
+/// A file read from its beginning.
+struct Reader<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn take(&mut self, count: usize) -> Option<&'a [u8]> {
+        let taken = self.bytes.get(self.at..self.at.checked_add(count)?)?;
+        self.at += count;
+        Some(taken)
+    }
+
+    fn byte(&mut self) -> Option<u8> {
+        self.take(1).map(|taken| taken[0])
+    }
+
+    /// The bytes of a number.
+    fn number_bytes(&mut self) -> Option<&'a [u8]> {
+        let rest = self.bytes.get(self.at..)?;
+        let last = rest.iter().position(|byte| byte & 0x80 == 0)?;
+        self.take(last + 1)
+    }
+
+    /// A number without a sign; none if it could be written in fewer bytes.
+    fn number(&mut self) -> Option<usize> {
+        let bytes = self.number_bytes()?;
+        let digits = bytes.iter().rev().map(|byte| usize::from(byte & 0x7f));
+        let number = digits.fold(0, |sum, digit| sum << 7 | digit);
+        let mut written = Vec::new();
+        push_number(&mut written, number);
+        (written == bytes).then_some(number)
+    }
+}
+
+fn push_number(list: &mut Vec<u8>, mut number: usize) {
+    while number > 0x7f {
+        list.push(0x80 | (number & 0x7f) as u8);
+        number >>= 7;
+    }
+    list.push(number as u8);
+}
+
+/// The lists of parts, as they grow.
+struct Parts {
+    lists: [Vec<u8>; KINDS],
+    table: OperandTable,
+    /// Local variables of the present function, the last used one first. Behind these are all others in their order.
+    recent: Vec<usize>,
+}
+
+/// The same file with its parts sorted; `None` if it is not as compilers write it.
+pub(super) fn sorted_parts(file: &[u8]) -> Option<Vec<u8>> {
+    let mut reader = Reader {
+        bytes: file,
+        at: HEAD,
+    };
+    loop {
+        let start = reader.at;
+        let section = reader.byte()?;
+        let length = reader.number()?;
+        let body = reader.take(length)?;
+        if section == CODE {
+            let rest = [&file[..start], &file[reader.at..]].concat();
+            let section = Reader { bytes: body, at: 0 };
+            return Parts::new(rest).sorted([file.len(), start], section);
+        }
+    }
+}
+
+impl Parts {
+    fn new(rest: Vec<u8>) -> Self {
+        let mut lists: [Vec<u8>; KINDS] = Default::default();
+        lists[Kind::Rest as usize] = rest;
+        Self {
+            lists,
+            table: OperandTable::new(),
+            recent: Vec::new(),
+        }
+    }
+
+    /// Of the file's length, and the place where the section begins in it.
+    fn sorted(mut self, of_file: [usize; 2], mut section: Reader) -> Option<Vec<u8>> {
+        let functions = section.number()?;
+        for _ in 0..functions {
+            let length = section.number()?;
+            let bytes = section.take(length)?;
+            self.sort_function(&mut Reader { bytes, at: 0 })?;
+        }
+        let mut sorted = vec![SORTED];
+        for number in of_file.into_iter().chain([functions]) {
+            push_number(&mut sorted, number);
+        }
+        for list in &self.lists {
+            push_number(&mut sorted, list.len());
+        }
+        sorted.extend(self.table.bytes());
+        sorted.extend(self.lists.concat());
+        (section.at == section.bytes.len()).then_some(sorted)
+    }
+
+    fn list(&mut self, kind: Kind) -> &mut Vec<u8> {
+        &mut self.lists[kind as usize]
+    }
+
+    fn move_number(&mut self, kind: Kind, body: &mut Reader) -> Option<()> {
+        self.list(kind).extend_from_slice(body.number_bytes()?);
+        Some(())
+    }
+
+    fn move_bytes(&mut self, kind: Kind, body: &mut Reader, count: usize) -> Option<()> {
+        self.list(kind).extend_from_slice(body.take(count)?);
+        Some(())
+    }
+
+    /// Moves a number of items, and them.
+    fn move_list(&mut self, kind: Kind, body: &mut Reader, more: usize) -> Option<()> {
+        let count = body.number()?;
+        push_number(self.list(kind), count);
+        (0..count + more).try_for_each(|_| self.move_number(kind, body))
+    }
+
+    fn sort_function(&mut self, body: &mut Reader) -> Option<()> {
+        self.recent.clear();
+        let groups = body.number()?;
+        push_number(self.list(Kind::Declarations), groups);
+        for _ in 0..groups {
+            self.move_number(Kind::Declarations, body)?;
+            self.move_bytes(Kind::Declarations, body, 1)?;
+        }
+        let mut depth = 1;
+        while depth > 0 {
+            let entry = self.sort_operation(body)?;
+            match entry.operands {
+                Operands::Block => depth += 1,
+                Operands::End => depth -= 1,
+                _ => {}
+            }
+            self.sort_operands(entry, body)?;
+        }
+        (body.at == body.bytes.len()).then_some(())
+    }
+
+    fn sort_operation(&mut self, body: &mut Reader) -> Option<Entry> {
+        let operation = body.byte()?;
+        self.list(Kind::Operations).push(operation);
+        let Some(prefix) = PREFIXES.iter().position(|prefix| *prefix == operation) else {
+            return Some(self.table.0[0][usize::from(operation)]);
+        };
+        let second = body.number()?;
+        push_number(self.list(Kind::Others), second);
+        self.table.0[1 + prefix].get(second).copied()
+    }
+
+    fn sort_operands(&mut self, entry: Entry, body: &mut Reader) -> Option<()> {
+        match entry.operands {
+            // An operation has no third part.
+            Operands::Unknown | Operands::Second => None,
+            Operands::None | Operands::End => Some(()),
+            Operands::Block => self.move_number(Kind::Blocks, body),
+            Operands::Label => self.move_number(Kind::Labels, body),
+            Operands::Labels => self.move_list(Kind::Labels, body, 1),
+            Operands::Call => self.move_number(Kind::Calls, body),
+            Operands::Local => self.sort_local(body),
+            Operands::Global => self.move_number(Kind::Globals, body),
+            Operands::Memory => self.sort_place(entry, body),
+            Operands::MemoryLane => {
+                self.sort_place(entry, body)?;
+                self.move_bytes(Kind::Others, body, 1)
+            }
+            Operands::Integer => {
+                // A constant of 32 bits has no more bytes than that; what follows it is an operation.
+                let bytes = body.number_bytes()?;
+                let is_added = body.bytes.get(body.at) == Some(&ADD);
+                let kind = if is_added {
+                    Kind::Addends
+                } else {
+                    Kind::Integers
+                };
+                self.list(kind).extend_from_slice(bytes);
+                Some(())
+            }
+            Operands::Long => self.move_number(Kind::Longs, body),
+            Operands::Float => self.move_bytes(Kind::Floats, body, 4),
+            Operands::Double => self.move_bytes(Kind::Floats, body, 8),
+            Operands::Vector => self.move_bytes(Kind::Floats, body, 16),
+            Operands::One => self.move_number(Kind::Others, body),
+            Operands::Two => {
+                self.move_number(Kind::Others, body)?;
+                self.move_number(Kind::Others, body)
+            }
+            Operands::Types => self.move_list(Kind::Others, body, 0),
+            Operands::Lane => self.move_bytes(Kind::Others, body, 1),
+        }
+    }
+
+    /// Alignment and offset of a load or store.
+    fn sort_place(&mut self, entry: Entry, body: &mut Reader) -> Option<()> {
+        let alignment = body.byte().filter(|byte| byte & 0x80 == 0)?;
+        let less = entry.natural.wrapping_sub(alignment);
+        self.list(Kind::Alignments).push(less);
+        self.move_number(Kind::Offsets, body)
+    }
+
+    /// Writes how many others were used more recently.
+    fn sort_local(&mut self, body: &mut Reader) -> Option<()> {
+        let local = body.number().filter(|local| *local <= MOST_LOCALS)?;
+        while self.recent.len() <= local {
+            self.recent.push(self.recent.len());
+        }
+        let rank = self.recent.iter().position(|other| *other == local)?;
+        self.recent[..=rank].rotate_right(1);
+        push_number(self.list(Kind::Locals), rank);
+        Some(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    /// A module with one function of every kind of operands, and some more.
+    fn file(body: &[u8]) -> Vec<u8> {
+        let mut file = b"\0asm\x01\0\0\0\x01\x04\x01\x60\0\0".to_vec();
+        let mut section = vec![2, 2, 0, 0x0b];
+        push_number(&mut section, body.len());
+        section.extend_from_slice(body);
+        file.push(CODE);
+        push_number(&mut file, section.len());
+        file.extend_from_slice(&section);
+        file.extend_from_slice(b"\0\x05\x04name");
+        file
+    }
+
+    /// Numbers of lists, and the lists.
+    fn lists(sorted: &[u8]) -> Vec<Vec<u8>> {
+        let mut reader = Reader {
+            bytes: sorted,
+            at: 1,
+        };
+        let head: Vec<usize> = (0..3 + KINDS).map(|_| reader.number().unwrap()).collect();
+        assert_eq!(head[2], 2);
+        reader.take(3 * SECONDS).unwrap();
+        let lists = head[3..]
+            .iter()
+            .map(|length| reader.take(*length).unwrap().to_vec());
+        let lists = lists.collect();
+        assert_eq!(reader.at, sorted.len());
+        lists
+    }
+
+    #[test]
+    fn every_part_goes_to_its_list() {
+        // One group of 300 locals of i32; loads, sums and calls of locals 2, 0 and 2 in a block.
+        let body = [
+            &[1, 0xac, 2, 0x7f, 0x02, 0x40, 0x20, 2, 0x20, 0, 0x21, 2][..],
+            &[
+                0x28, 2, 0x88, 1, 0x2b, 0, 8, 0x41, 5, 0x6a, 0x41, 0x7f, 0x1a,
+            ],
+            &[0x42, 9, 0x43, 1, 2, 3, 4, 0x44, 1, 2, 3, 4, 5, 6, 7, 8],
+            &[0x0e, 1, 0, 1, 0x10, 1, 0x11, 6, 0, 0x1c, 1, 0x7f, 0x23, 0],
+            &[0xfc, 10, 0, 0, 0xfd, 84, 0, 3, 1, 0xfd, 12],
+            &[7; 16],
+            &[0xfd, 21, 3, 0x0b, 0x0b],
+        ]
+        .concat();
+        let whole = file(&body);
+        let lists = lists(&sorted_parts(&whole).unwrap());
+        let wanted: [&[u8]; KINDS] = [
+            b"\0asm\x01\0\0\0\x01\x04\x01\x60\0\0\0\x05\x04name",
+            &[0, 1, 0xac, 2, 0x7f],
+            &[
+                0x0b, 0x02, 0x20, 0x20, 0x21, 0x28, 0x2b, 0x41, 0x6a, 0x41, 0x1a, 0x42, 0x43, 0x44,
+                0x0e, 0x10, 0x11, 0x1c, 0x23, 0xfc, 0xfd, 0xfd, 0xfd, 0x0b, 0x0b,
+            ],
+            &[0x40],
+            &[1, 0, 1],
+            &[1],
+            &[2, 1, 1],
+            &[0],
+            &[0, 3, 0],
+            &[0x88, 1, 8, 3],
+            &[5],
+            &[0x7f],
+            &[9],
+            &[&[1, 2, 3, 4, 1, 2, 3, 4, 5, 6, 7, 8][..], &[7; 16]].concat(),
+            &[6, 0, 1, 0x7f, 10, 0, 0, 84, 1, 12, 21, 3],
+        ];
+        for (list, wanted) in lists.iter().zip(wanted) {
+            assert_eq!(list, wanted);
+        }
+    }
+
+    #[test]
+    fn what_is_not_understood_is_left_alone() {
+        assert!(sorted_parts(&file(&[0, 0x0b])).is_some());
+        // An operation of no version; a body with an end too many, or none; a number of two bytes where one does; nothing.
+        for body in [
+            &[0, 0xff, 0x0b][..],
+            &[0, 0x0b, 0x0b],
+            &[0, 0x02, 0x40, 0x0b],
+            &[0x80, 0, 0x0b],
+        ] {
+            assert_eq!(sorted_parts(&file(body)), None);
+        }
+        assert_eq!(sorted_parts(b"\0asm\x01\0\0\0"), None);
+        let whole = file(&[0, 0x0b]);
+        for end in 0..whole.len() - 7 {
+            assert_eq!(sorted_parts(&whole[..end]), None);
+        }
+    }
+}
