@@ -8,6 +8,7 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
 import path from "node:path";
 import { pathToFileURL } from "node:url";
 import puppeteer from "puppeteer-core";
@@ -15,6 +16,9 @@ import puppeteer from "puppeteer-core";
 const [firefox, program, folder, names, engine] = process.argv.slice(2);
 const scenes = names.split(",");
 const REPORT = "window.reports[0]";
+const require = createRequire(import.meta.url);
+const unpacking = require(path.resolve("src/page/web/unpack.js"));
+const { assembled } = require(path.resolve("src/page/web/assemble.js"));
 
 function run(...words) {
   try {
@@ -80,6 +84,9 @@ async function bytesOf(page, question) {
 async function judgeLivePage(browser, scene) {
   const file = path.join(folder, `${scene}-firefox-live.html`);
   run("report", scene, "--live", "--wasm", engine, "--out", file);
+  const [, held] = readFileSync(file, "utf8").match(/ id="engine">([^<]*)</);
+  const whole = assembled(unpacking.unpacked(unpacking.bytesOf(held)));
+  assert.ok(readFileSync(engine).equals(Buffer.from(whole)), `${scene}: the engine in the page is another`);
   const { page, close } = await open(browser, file);
   const live = `${REPORT}.live`;
   const settled = `${live} && !${live}.isBusy && ${live}.isJudged && !${live}.sections.inert`;

@@ -10,6 +10,8 @@ into FOLDER, to be looked at.
 import base64
 import hashlib
 import html.parser
+import json
+import lzma
 import pathlib
 import re
 import subprocess
@@ -38,12 +40,29 @@ shapes = [{ box = { size = [40, 8, 8] } }]
 """
 
 
+def unpacked(text):
+    """The bytes that a live page holds as text: see `src/page/packing.rs`."""
+    digits = []
+    for code in map(ord, text):
+        digits += divmod(code - 0xA0, 111) if code >= 0xA0 else [code - (33 if code > 60 else 32)]
+        if code >= 0xA0:
+            digits[-2] += 94
+    packed = bytearray()
+    for start in range(0, len(digits) // 13 * 13, 13):
+        number = 0
+        for digit in digits[start : start + 13]:
+            number = 111 * number + digit
+        packed += number.to_bytes(11, "big")
+    return lzma.LZMADecompressor(lzma.FORMAT_ALONE).decompress(packed)
+
+
 class Page(html.parser.HTMLParser):
     """Scripts, styles, ids and addresses of a page."""
 
     def __init__(self, text):
         super().__init__()
         self.inside, self.scripts, self.styles, self.ids, self.addresses, self.acts, self.policy = None, [], [], [], [], [], ""
+        self.held = []
         self.feed(text)
 
     def handle_starttag(self, tag, attrs):
@@ -63,8 +82,11 @@ class Page(html.parser.HTMLParser):
     def handle_data(self, data):
         if self.inside and self.inside[0] == "style":
             self.styles.append(data)
-        elif self.inside and self.inside[1].get("type") is None:
+        elif self.inside and self.inside[1]["type"] == "text/javascript":
             self.scripts.append(data)
+        elif self.inside and self.inside[1].get("id") == "packed":
+            self.held = json.loads(unpacked(data))
+            self.scripts += [element["text"] for element in self.held if element["type"] == "text/javascript"]
 
 
 def judge_file(path, most=MOST_BYTES, live=False):

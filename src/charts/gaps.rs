@@ -58,7 +58,8 @@ pub(super) fn gap_shades(poseless: &[bool], valueless: &[bool], x: &[f64]) -> Ve
 
 /// Removes points far outside the range of all others from a panel, and says so in a note.
 pub(super) fn leave_out_outliers(panel: &mut Panel) -> Option<String> {
-    let mut values: Vec<f64> = panel.points().map(|p| p[1]).collect();
+    let points = panel.series.iter().flat_map(|s| s.points.iter().flatten());
+    let mut values: Vec<f64> = points.map(|p| p[1]).collect();
     values.sort_by(f64::total_cmp);
     let at = |share: f64| values[((values.len() - 1) as f64 * share).round() as usize];
     if values.len() < 20 {
@@ -146,6 +147,9 @@ mod tests {
         );
         let note = leave_out_outliers(&mut wild);
         assert!(note.is_some_and(|n| n.contains("1 point") && n.contains("−1.000e9")));
+        // What a scene draws beside the curves is no part of them.
+        calm.marks.push([0.0, 1e9]);
+        assert_eq!(leave_out_outliers(&mut calm), None);
         assert_eq!(wild.series[0].points[7], None);
         assert_eq!(wild.points().count(), 99);
     }

@@ -6,6 +6,7 @@ pub mod bands;
 pub mod clearance;
 pub mod clearance_matrix;
 pub mod cloud;
+mod coarse_samples;
 pub mod contours;
 mod gaps;
 pub mod motion;

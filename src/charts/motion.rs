@@ -1,6 +1,7 @@
 //! Charts of a solved motion: the plots of a scene, evaluated at every sample. Where the motion has no pose, the chart
 //! says so.
 
+use super::coarse_samples::coarse_note;
 use super::gaps::{gap_shades, leave_out_outliers};
 use super::wraps::is_wrap;
 use crate::kinematics::rates::columns::{RateVariable, slot_series};
@@ -53,6 +54,7 @@ pub fn motion_chart(
             if missing == 1 { "has" } else { "have" }
         ));
     }
+    chart.notes.extend(coarse_note(mechanism, trajectory));
     let named = |p: &Panel| {
         let names: Vec<&str> = p.series.iter().map(|s| s.name.as_str()).collect();
         format!("{} against {}", names.join(", "), p.x.heading(0))

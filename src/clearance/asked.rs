@@ -291,12 +291,15 @@ fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairRe
     let mut least = sweep.sampled(motion, &samples, Some(&mut distances))?;
     let far = (0..distances.len()).max_by(|j, k| distances[*j].total_cmp(&distances[*k]))?;
     let mut apart = sweep.sampled(motion, &samples[far..=far], None)?.moment();
-    let is_deep = least.distance < -allowed || least.is_enclosed;
+    let shift = sweep.parting_shift(motion);
+    let mut cut = sweep.first_cut(motion, &samples, shift);
+    let is_deep = least.distance < -allowed || least.is_enclosed || cut.is_some();
     let mut is_broken = is_deep || apart.distance > allowed;
     // Between them: the distance is enclosed over the proved motion, finely unless that changes nothing.
     let contact = sweep.contact_over(motion, !is_broken);
-    if let Some(between) = broken_between(motion, sweep, &contact) {
+    if let Some((instant, between)) = broken_between(motion, sweep, &contact) {
         is_broken = true;
+        cut = cut.or_else(|| sweep.first_cut(motion, &[instant], shift));
         if between.distance > apart.distance {
             apart = between.moment();
         }
@@ -306,6 +309,10 @@ fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairRe
     }
     if is_broken && !least.is_enclosed {
         least = deeper(motion, sweep, least);
+    }
+    // Where a mesh is cut the distance is zero, as it is where the bodies touch.
+    if let Some(instant) = cut.filter(|_| least.distance >= 0.0) {
+        least = sweep.sampled(motion, &[instant], None)?;
     }
     let judgement = match contact.is_within(AT_LEAST * scale) {
         _ if is_broken => Judgement::Failed,
@@ -319,6 +326,7 @@ fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairRe
         apart,
         farthest: contact.high.max(apart.distance),
         allowed,
+        cut: cut.map(|_| shift),
     };
     Some(PairReport {
         touching: Some(touching),
@@ -332,10 +340,10 @@ fn broken_between(
     motion: &mut ProvedMotion,
     sweep: &PairSweep,
     contact: &Contact,
-) -> Option<Least> {
+) -> Option<(usize, Least)> {
     let (stretch, s) = contact.broken?;
     let instant = motion.pose_at(stretch, s)?;
-    sweep.sampled(motion, &[instant], None)
+    Some((instant, sweep.sampled(motion, &[instant], None)?))
 }
 
 /// How deep two bodies come, which the samples may miss.

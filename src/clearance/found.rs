@@ -150,7 +150,9 @@ impl PairReport {
 
     /// Whether bodies that must touch overlap by more than is allowed, or lie one in the other.
     pub fn is_pressed(&self) -> bool {
-        let is_deep = |t: &MustTouch| self.least.distance < -t.allowed || self.least.is_enclosed;
+        let is_deep = |t: &MustTouch| {
+            self.least.distance < -t.allowed || self.least.is_enclosed || t.cut.is_some()
+        };
         self.touching.as_ref().is_some_and(is_deep)
     }
 
@@ -162,7 +164,8 @@ impl PairReport {
 
     /// What to look at: the nearest pose, or the one at which bodies that must touch are farther apart than they overlap.
     pub fn worst_moment(&self) -> Moment {
-        let farther = |apart: &Moment| apart.distance > -self.least.distance;
+        let is_cut = self.touching.as_ref().is_some_and(|t| t.cut.is_some());
+        let farther = |apart: &Moment| !is_cut && apart.distance > -self.least.distance;
         let parted = self.parted().filter(farther);
         parted.unwrap_or_else(|| self.least.moment())
     }
@@ -171,7 +174,10 @@ impl PairReport {
     /// zero.
     pub fn margin(&self) -> f64 {
         match &self.touching {
-            Some(touching) => -f64::max(touching.apart.distance, -self.least.distance),
+            Some(touching) => {
+                let depth = touching.cut.unwrap_or(0.0).max(-self.least.distance);
+                -f64::max(touching.apart.distance, depth)
+            }
             None => self.least.distance - self.minimum,
         }
     }

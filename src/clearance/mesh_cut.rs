@@ -1,6 +1,7 @@
 //! Whether meshes cut each other, and how far. Meshes have no depth. Instead one body is shifted by a length in many directions:
 //! if none of the shifts separates the bodies, they overlap by more than that length.
 
+use super::contact::BETWEEN_SAMPLES;
 use super::motion::ProvedMotion;
 use super::sweep::{Least, PairSweep};
 use crate::distance::bodies::{enclosed_shell, nearest_bodies};
@@ -9,6 +10,10 @@ use glam::DVec3;
 
 /// Bodies that touch are parted by a shift of this many lengths of the pair, in one of many directions: far more than rounding.
 const CUT: f64 = 1e-6;
+
+/// Bodies in contact are parted by a shift of this share of how near to touching they should be proved to stay, so that the
+/// proof has the rest for how they move.
+const PARTING: f64 = 0.25;
 
 /// A shift in one of the directions parts bodies that a shorter one in the best direction does, if it is this many times as
 /// long: no direction is farther from one of them than the edge of a cube from its corner.
@@ -36,16 +41,43 @@ impl PairSweep<'_> {
     }
 
     /// Whether the bodies are in each other, a mesh among what is, and no shift as long as this parts them.
-    fn is_cut_beyond(&self, pose: &Pose, shift: f64) -> bool {
+    pub(super) fn is_cut_beyond(&self, pose: &Pose, shift: f64) -> bool {
         let mut shifts = std::iter::once(DVec3::ZERO).chain(directions().map(|n| n * shift));
         shifts.all(|shift| {
             let mut moved = *pose;
             moved.translation += shift;
-            let [first, second] = self.hulls;
-            let found = nearest_bodies(first, second, &moved, &self.left_out);
-            found.is_some_and(|f| self.meets(f.elements, f.proximity.distance))
-                || enclosed_shell(first, second, &moved, &self.left_out).is_some()
+            self.is_met(&moved)
         })
+    }
+
+    /// Whether the bodies are in each other, a mesh among what is.
+    fn is_met(&self, pose: &Pose) -> bool {
+        let [first, second] = self.hulls;
+        let found = nearest_bodies(first, second, pose, &self.left_out);
+        found.is_some_and(|f| self.meets(f.elements, f.proximity.distance))
+            || enclosed_shell(first, second, pose, &self.left_out).is_some()
+    }
+
+    /// The shift that parts bodies in contact, a mesh among what meets.
+    pub(super) fn parting_shift(&self, motion: &ProvedMotion) -> f64 {
+        PARTING * BETWEEN_SAMPLES * self.contact_scale(motion) + self.pose_slack()
+    }
+
+    /// Whether bodies in contact are in each other at this pose, a mesh among them.
+    pub(super) fn meshes_meet(&self, pose: &Pose) -> bool {
+        self.hulls.iter().any(|hull| hull.has_mesh()) && self.is_met(pose)
+    }
+
+    /// The first of some solved poses at which a mesh is cut: no shift of this length parts the bodies.
+    pub(super) fn first_cut(
+        &self,
+        motion: &ProvedMotion,
+        instants: &[usize],
+        shift: f64,
+    ) -> Option<usize> {
+        let poses = instants.iter().map(|k| (*k, self.relative(motion, *k)));
+        let mut met = poses.filter(|(_, pose)| self.meshes_meet(pose));
+        Some(met.find(|(_, pose)| self.is_cut_beyond(pose, shift))?.0)
     }
 
     /// A pose at which meshes are farther in each other than at the first one, by more than `growth`: it is looked for at every

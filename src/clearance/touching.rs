@@ -26,6 +26,8 @@ pub struct MustTouch {
     pub farthest: f64,
     /// A gap and an overlap of this much still count as touching.
     pub allowed: f64,
+    /// A mesh is cut: the bodies are in each other, and no shift of this length parts them.
+    pub cut: Option<f64>,
 }
 
 impl Least {

@@ -223,8 +223,10 @@ impl Expression {
             }
             let partials = self.partials(i, values);
             for (operand, partial) in operand_places(*op).into_iter().zip(partials) {
-                // What an operation does not depend on may have no rate: the root of `max(x, 0)` below zero.
-                if let Some(operand) = operand.filter(|_| partial != S::number(0.0)) {
+                // Beside nothing an infinite slope is none: that of the root of `max(x, 0)` below zero. Beside a slope that is
+                // zero only here it is unknown: that of the root of `x^2`.
+                let is_flat = partial == S::number(0.0) && self.stays_flat(*op);
+                if let Some(operand) = operand.filter(|_| !is_flat) {
                     adjoints[operand] = adjoints[operand] + adjoint * partial;
                 }
             }
@@ -250,6 +252,16 @@ impl Expression {
                 [power_slope(v[a], v[b]), by_exponent]
             }
             Op::Call(f, a, b) => f.partials(v[a], v[b], v[i]),
+        }
+    }
+
+    /// Whether a slope of zero is not zero only here: the operation selects an operand or a number, or multiplies by a constant.
+    fn stays_flat(&self, op: Op) -> bool {
+        use Function::{Floor, Max, Min, Mod};
+        let is_constant = |k: usize| matches!(self.ops[k], Op::Constant(_));
+        match op {
+            Op::Multiply(a, b) => is_constant(a) || is_constant(b),
+            op => matches!(op, Op::Call(Floor | Max | Min | Mod, ..)),
         }
     }
 

@@ -31,11 +31,12 @@ pub(super) fn packed_text(bytes: &[u8]) -> io::Result<String> {
     Ok(printable(&compressed(bytes)?))
 }
 
-/// A .lzma file with its length. Context is worth more than alignment in code and in numbers of any width.
+/// A .lzma file with its length. Alignment says nothing about numbers of any width, and the
+/// byte before little.
 fn compressed(bytes: &[u8]) -> io::Result<Vec<u8>> {
     let window = u32::try_from(bytes.len().max(LEAST_WINDOW)).map_err(io::Error::other)?;
     let mut options = LzmaOptions::with_preset(9);
-    (options.lc, options.lp, options.pb) = (4, 0, 0);
+    (options.lc, options.lp, options.pb) = (2, 0, 0);
     (options.dict_size, options.nice_len) = (window, LzmaOptions::NICE_LEN_MAX);
     let mut writer = LzmaWriter::new_use_header(Vec::new(), &options, Some(bytes.len() as u64))?;
     writer.write_all(bytes)?;

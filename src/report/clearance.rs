@@ -124,7 +124,13 @@ fn nearest_words(p: &PairReport, unit: &str) -> String {
     } else if least.distance < 0.0 {
         format!("overlap by {} {unit}", gap_digits(-least.distance, p))
     } else {
-        format!("come within {} {unit}", gap_digits(least.distance, p))
+        match p.touching.as_ref().and_then(|touching| touching.cut) {
+            Some(shift) => format!(
+                "overlap, and no shift of {} {unit} parts them,",
+                at_most(shift)
+            ),
+            None => format!("come within {} {unit}", gap_digits(least.distance, p)),
+        }
     };
     format!("{what} at t = {} s", decimals_of(least.time, 6))
 }
@@ -205,7 +211,7 @@ pub fn clearance_cases(
         .collect();
     list.extend(report.far.map(|far| {
         let text = far_sentence(mechanism, &far);
-        let name = format!("{} pairs far apart", far.count);
+        let name = format!("{} far apart", counted_things(far.count, "pair"));
         Case::new(
             CLEARANCE,
             &name,

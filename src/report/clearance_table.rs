@@ -137,9 +137,9 @@ fn far_line(mechanism: &Mechanism, far: &FarPairs) -> String {
     let mark = if far.is_certified { "" } else { "~" };
     let bound = format!("{mark}{}", at_least_length(far.apart, mechanism.size, 4));
     format!(
-        "                {bound:>12}                          {:<10} {} pairs far apart\n",
+        "                {bound:>12}                          {:<10} {} far apart\n",
         judgement_word(&far.judgement()),
-        far.count
+        counted_things(far.count, "pair")
     )
 }
 

@@ -390,11 +390,15 @@ pub fn allowed_lines(
         return text;
     }
     text += &format!(
-        "\n  at each of {} poses every piece keeps `{name}` within {} of the nominal motion with these tolerances ({} reached)\n\n",
+        "\n  at each of {} poses every piece keeps `{name}` within {} of the nominal motion with these tolerances (its bound is {})\n",
         found.poses,
         six_digits(limit),
-        reached_text(found.reached, limit)
+        bound_text(found.bound, limit)
     );
+    if found.is_open_beyond {
+        text += "  with larger ones nothing is proved, whatever the limit: a singular pose may be near\n";
+    }
+    text.push('\n');
     let rows: Vec<Vec<String>> = plan
         .dimensions
         .iter()
@@ -411,9 +415,9 @@ pub fn allowed_lines(
     text
 }
 
-/// An upper bound of what is reached that does not read as more than the limit that it keeps.
-fn reached_text(reached: f64, limit: f64) -> String {
-    let shown = at_most_six(reached);
+/// An upper bound that does not read as more than the limit that it keeps.
+fn bound_text(bound: f64, limit: f64) -> String {
+    let shown = at_most_six(bound);
     match shown.parse::<f64>() {
         Ok(reads) if reads > limit => six_digits(limit),
         _ => shown,

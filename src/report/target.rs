@@ -2,6 +2,7 @@
 
 use super::cells::{aligned_rows, six_digits};
 use super::rounded::at_most;
+use super::sentences::counted_things;
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::analysis::synthesis::ending_word;
 use crate::analysis::synthesis::target::{
@@ -69,14 +70,14 @@ pub fn target_text(found: &FoundTarget) -> String {
         None => "when the table says".to_owned(),
     };
     let mut text = format!(
-        "{}\n  targets          {} rows of {}, {met}\n",
+        "{}\n  targets          {} of {}, {met}\n",
         mechanism.title,
-        target.rows.len(),
+        counted_things(target.rows.len(), "row"),
         names.join(", ")
     );
     text += &format!(
-        "  search           {} starts (seed {}), {} poses, {:.1} s{}\n",
-        synthesis.starts.len(),
+        "  search           {} (seed {}), {} poses, {:.1} s{}\n",
+        counted_things(synthesis.starts.len(), "start"),
         found.seed,
         found.poses(),
         synthesis.seconds,
@@ -114,8 +115,8 @@ fn rows_sentence(found: &FoundTarget) -> String {
     let count = found.missed().count();
     let met = found.missed().filter(|(off, _)| off.is_finite()).count();
     let mut text = match rows.one_branch {
-        true => format!("{met} of {count} met on one motion"),
-        false => format!("{met} of {count} met, but on several branches"),
+        true => format!("{met} of {count} have a pose on one motion"),
+        false => format!("{met} of {count} have a pose, but on several branches"),
     };
     text += &match rows.unproved {
         0 => format!(", certified to {}", at_most(rows.error_bound)),
@@ -141,7 +142,7 @@ fn drive_sentence(proof: &Result<Proof, FamilyError>, unit: &str) -> String {
             }
             if !proof.meeting.is_empty() || !proof.cutting.is_empty() {
                 let count = proof.meeting.len() + proof.cutting.len();
-                text += &format!(", {count} pairs of other bodies collide");
+                text += &format!(", colliding: {} of other bodies", counted_things(count, "pair"));
             }
             text
         }

@@ -77,6 +77,10 @@ fn missing_source(name: &str, error: &std::io::Error) -> SourceError {
     }
     let mut error = no_builtin(name);
     error.message = format!("there is no scene `{name}`");
+    let beside = format!("{name}.toml");
+    if Path::new(&beside).is_file() {
+        error.hints = vec![format!("did you mean the file `{beside}`?")];
+    }
     let files = "`mechanim scenes` lists the built-in scenes; others need the path of a .toml file";
     error.hints.push(files.to_owned());
     error

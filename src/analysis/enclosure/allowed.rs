@@ -13,8 +13,10 @@ pub struct AllowedTolerance {
     pub factor: f64,
     /// A factor for which the bound violates the limit.
     pub too_large: f64,
-    /// Largest deviation from the nominal motion with the first factor, in the file's unit.
-    pub reached: f64,
+    /// Bound of the deviation from the nominal motion with the first factor, in the file's unit.
+    pub bound: f64,
+    /// With the larger factor nothing is proved: that, not the limit, is what ends the tolerances.
+    pub is_open_beyond: bool,
     /// At how many poses of the motion.
     pub poses: usize,
 }
@@ -77,14 +79,15 @@ pub fn allowed_motion(
 
 /// The largest factor that keeps the limit at so many poses.
 fn search_allowed(reach: &dyn Fn(f64) -> f64, limit: f64, poses: usize) -> AllowedTolerance {
-    let (mut low, mut at_low, mut high) = (0.0, 0.0, f64::INFINITY);
+    let (mut low, mut at_low) = (0.0, 0.0);
+    let (mut high, mut at_high) = (f64::INFINITY, 0.0);
     let mut share = 1.0;
     loop {
         let here = reach(share);
         if here <= limit {
             (low, at_low) = (share, here);
         } else {
-            high = share;
+            (high, at_high) = (share, here);
         }
         if high - low <= SHARPNESS * low || !(SHARES[0]..=SHARES[1]).contains(&share) {
             break;
@@ -102,7 +105,8 @@ fn search_allowed(reach: &dyn Fn(f64) -> f64, limit: f64, poses: usize) -> Allow
     AllowedTolerance {
         factor: low,
         too_large: high,
-        reached: at_low,
+        bound: at_low,
+        is_open_beyond: !at_high.is_finite(),
         poses,
     }
 }

@@ -63,6 +63,7 @@ impl Evaluator<'_> {
         let mut found: Vec<bool> = Vec::with_capacity(reductions.len());
         for (measure, reduced) in family.measures.list.iter().zip(&reductions) {
             let is_one_sided = match (&measure.source, reduced) {
+                _ if !gradients.has_derivatives(found.len()) => false,
                 (MeasureSource::Formula(formula), _) => {
                     let first = mechanism.inputs.len();
                     let used = formula.slots();

@@ -65,7 +65,9 @@ pub struct CpuRenderer {
 #[derive(Clone, Debug)]
 enum AnyTile {
     One(TileSamples<1>),
+    #[cfg(feature = "fine-samples")]
     Two(TileSamples<2>),
+    #[cfg(feature = "fine-samples")]
     Four(TileSamples<4>),
 }
 
@@ -98,7 +100,9 @@ impl CpuRenderer {
         let backdrop = Backdrop::new(&stage);
         // 16 samples fill four vectors of four lanes, 8 fill two.
         let tile = match stage.samples {
+            #[cfg(feature = "fine-samples")]
             16 => AnyTile::Four(TileSamples::new(&stage)),
+            #[cfg(feature = "fine-samples")]
             8 => AnyTile::Two(TileSamples::new(&stage)),
             _ => AnyTile::One(TileSamples::new(&stage)),
         };
@@ -217,7 +221,9 @@ impl Renderer for CpuRenderer {
         let assembly = &mut self.assembly;
         match &mut self.tile {
             AnyTile::One(tile) => scene.draw(assembly, tile, image),
+            #[cfg(feature = "fine-samples")]
             AnyTile::Two(tile) => scene.draw(assembly, tile, image),
+            #[cfg(feature = "fine-samples")]
             AnyTile::Four(tile) => scene.draw(assembly, tile, image),
         }
         if frame.no_pose {

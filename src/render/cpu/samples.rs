@@ -135,12 +135,20 @@ impl<const G: usize> SamplePattern<G> {
     }
 }
 
+/// What can be chosen, in words.
+#[cfg(feature = "fine-samples")]
+const OFFERED: &str = "1, 2, 4, 8 or 16";
+#[cfg(not(feature = "fine-samples"))]
+const OFFERED: &str = "1, 2 or 4";
+
 /// Checks that a stage's sample count is one the renderer knows.
 pub(super) fn check_samples(samples: u32) -> Result<(), RenderError> {
     match samples {
-        1 | 2 | 4 | 8 | 16 => Ok(()),
+        1 | 2 | 4 => Ok(()),
+        #[cfg(feature = "fine-samples")]
+        8 | 16 => Ok(()),
         other => Err(RenderError::Size(format!(
-            "{other} samples a pixel are not offered; choose 1, 2, 4, 8 or 16"
+            "{other} samples a pixel are not offered; choose {OFFERED}"
         ))),
     }
 }

@@ -1,6 +1,7 @@
 //! Bodies that must touch and do not: every report has the least distance, the largest gap, and which of the two is wrong.
 
 use crate::program::Workspace;
+use crate::solids::{BOX_TRIANGLES, box_corner, stl_text};
 use serde_json::Value;
 
 /// A ball of radius 1 beside another one: they touch where `u` is zero, part where it is positive and overlap where it is negative.
@@ -158,4 +159,76 @@ fn a_box_of_inputs_tells_where_bodies_that_must_touch_part() {
         "{said}"
     );
     assert!(pair["distance"].as_f64().unwrap().abs() < 1e-9, "{said}");
+}
+
+/// A mesh of a cube of side 10 about the origin of its body.
+fn cube() -> String {
+    stl_text(BOX_TRIANGLES.map(|side| side.map(|k| 5.0 * box_corner(k))))
+}
+
+/// A mesh has no depth, but one that is in another body, or cut by it, does not merely touch it. The other body, how the cube moves
+/// against it, and whether they touch, part, or overlap.
+#[test]
+fn meshes_that_are_in_other_bodies_do_not_pass_as_touching() {
+    let w = Workspace::new();
+    w.write("cube.stl", cube());
+    let block = "{ box = { size = [90, 90, 90] } }";
+    let plate = "{ box = { size = [90, 90, 1] } }";
+    let ball = "{ sphere = { radius = 20 } }";
+    let mesh = "{ stl = { file = \"cube.stl\" } }";
+    // Resting on it, and sliding or turning there.
+    let touching = ["Tz(50)", "Tx(0.3*t) Tz(50)", "Tz(50) Rz(0.2*t)"];
+    let mut rows: Vec<(&str, String, [bool; 2])> = touching
+        .map(|frame| (block, frame.to_owned(), [false, false]))
+        .into();
+    rows.push((ball, "Tz(25)".to_owned(), [false, false]));
+    rows.push((mesh, "Tx(2*t) Tz(10)".to_owned(), [false, false]));
+    // In it by any depth, down to wholly inside.
+    for depth in ["0.01", "1", "9", "20", "40", "80"] {
+        rows.push((block, format!("Tx(t) Tz(50 - {depth})"), [false, true]));
+        rows.push((block, format!("Tz(50 - {depth}) Rx(0.01*t)"), [false, true]));
+    }
+    for depth in ["0.01", "4", "20"] {
+        rows.push((ball, format!("Tx(0.1*t) Tz(25 - {depth})"), [false, true]));
+        rows.push((mesh, format!("Tx(t) Tz(10 - 0.4*{depth})"), [false, true]));
+    }
+    // Cut through its middle, at some of the time, and between the samples only.
+    rows.push((plate, "Tx(t)".to_owned(), [false, true]));
+    rows.push((plate, "Tx(t) Ry(0.3)".to_owned(), [false, true]));
+    rows.push((block, "Tz(50 + 0.5*sin(2*pi*t))".to_owned(), [true, true]));
+    rows.push((
+        block,
+        "Tz(50 - 0.5*sin(4*pi*t)^2)".to_owned(),
+        [false, true],
+    ));
+    rows.push((
+        block,
+        "Tz(50 + 0.5*sin(4*pi*t)^2)".to_owned(),
+        [true, false],
+    ));
+    for (other, frame, [parts, overlaps]) in rows {
+        w.write(
+            "scene.toml",
+            format!(
+                "title = \"cube\"\nunits = {{ length = \"mm\", angle = \"rad\" }}\nduration = 1\n\
+                 [[bodies]]\nname = \"A\"\nshapes = [{other}]\n\
+                 [[bodies]]\nname = \"B\"\nframe = \"{frame}\"\nshapes = [{mesh}]\n\
+                 [clearance]\ntouching = [{{ pair = [\"A\", \"B\"] }}]\n"
+            ),
+        );
+        let code = i32::from(parts || overlaps);
+        let asked = ["check", "scene.toml", "--samples", "5", "--json", "r.json"];
+        let text = w.run(&asked).exits(code).text();
+        let json: Value = serde_json::from_slice(&w.read("r.json")).unwrap();
+        let pair = &json["clearance"]["pairs"][0];
+        let said = format!("{other} {frame}: {pair:#}\n{text}");
+        assert_eq!(pair["touching"]["overlaps"], overlaps, "{said}");
+        assert_eq!(pair["touching"]["parted"], parts, "{said}");
+        // What is said to be proved of a mesh that is deep in a body is that.
+        let bound = pair["bound"].as_f64();
+        assert!(
+            !overlaps || bound.is_none_or(|bound| bound < -0.01),
+            "{said}"
+        );
+    }
 }
