@@ -21,9 +21,9 @@ pub fn encode_indexed(image: &RgbaImage, out: &mut Vec<u8>) -> Result<(), Export
     encoder.set_color(ColorType::Indexed);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_palette(palette.colours().as_flattened());
-    // A difference of indices says nothing.
-    encoder.set_filter(Filter::NoFilter);
+    // It chooses a filter, too; but a difference of indices says nothing.
     encoder.set_compression(Compression::High);
+    encoder.set_filter(Filter::NoFilter);
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     let written = encoder.write_header().and_then(|mut writer| {
         writer.write_image_data(&indices)?;

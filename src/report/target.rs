@@ -142,7 +142,10 @@ fn drive_sentence(proof: &Result<Proof, FamilyError>, unit: &str) -> String {
             }
             if !proof.meeting.is_empty() || !proof.cutting.is_empty() {
                 let count = proof.meeting.len() + proof.cutting.len();
-                text += &format!(", colliding: {} of other bodies", counted_things(count, "pair"));
+                text += &format!(
+                    ", colliding: {} of other bodies",
+                    counted_things(count, "pair")
+                );
             }
             text
         }

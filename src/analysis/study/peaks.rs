@@ -255,6 +255,10 @@ impl<'f, 'w> Peaks<'f, 'w> {
         if !all.all(|v| v.is_finite()) || self.evaluator.is_cancelled() {
             return Err(Rejection::NoValue("the objective".to_owned()));
         }
+        let mut slopes = peak_gradients.peaks.iter().chain(&peak_gradients.limits);
+        if !slopes.all(|row| row.iter().all(|slope| slope.is_finite())) {
+            return Err(Rejection::NoDerivative("the objective".to_owned()));
+        }
         let largest = |list: &[f64]| list.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         // Slopes are requested at accepted points only, from which further candidates are reached.
         let excess = largest(&peak_values.limits).max(0.0);

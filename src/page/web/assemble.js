@@ -2,12 +2,15 @@
 
 /** The lists of parts, in their order. */
 const KINDS = [
-  "rest", "declarations", "operations", "blocks", "labels", "calls", "locals", "globals",
-  "alignments", "offsets", "addends", "integers", "longs", "floats", "others",
+  "rest", "declarations", "operations", "blocks", "labels", "calls", "reads", "writes", "globals",
+  "alignments", "offsets", "addresses", "addends", "integers", "longs", "floats", "others",
 ];
 
-/** The section of functions' bodies, and an operation. */
-const [CODE, ADD] = [10, 0x6a];
+/** The section of functions' bodies, and operations: the second one stands for the first where the integer has many bytes. */
+const [CODE, INTEGER, ADDRESS, ADD] = [10, 0x41, 0x06, 0x6a];
+
+/** What follows operations, by its number in the table: the beginning and the end of a block, and the second part. */
+const [BLOCK, END, SECOND] = [2, 3, 21];
 
 /** Bytes that are read one after the other. */
 class Parts {
@@ -101,10 +104,10 @@ class Functions {
       body.byte(lists.declarations.byte());
     }
     for (let depth = 1; depth > 0; ) {
-      let entry = this.operation(lists.operations.byte());
+      const entry = this.operation(lists.operations.byte());
       const operands = entry & 31;
-      if (operands === 2) depth += 1;
-      if (operands === 3) depth -= 1;
+      if (operands === BLOCK) depth += 1;
+      if (operands === END) depth -= 1;
       OPERANDS[operands](this, body, lists, entry >> 5);
     }
     return body.filled();
@@ -112,8 +115,8 @@ class Functions {
 
   /** Writes an operation; the entry of what follows it. */
   operation(code) {
-    this.body.byte(code);
-    if (this.table[code] !== 20) return this.table[code];
+    this.body.byte(code === ADDRESS ? INTEGER : code);
+    if (this.table[code] !== SECOND) return this.table[code];
     const second = this.lists.others.number();
     this.body.number(second);
     return this.table[256 * (code - 0xfb) + second];
@@ -141,7 +144,8 @@ const OPERANDS = [
   (_, body, lists) => body.moveNumber(lists.labels),
   (_, body, lists) => body.moveList(lists.labels, 1),
   (_, body, lists) => body.moveNumber(lists.calls),
-  (functions, body, lists) => body.number(functions.local(lists.locals.number())),
+  (functions, body, lists) => body.number(functions.local(lists.reads.number())),
+  (functions, body, lists) => body.number(functions.local(lists.writes.number())),
   (_, body, lists) => body.moveNumber(lists.globals),
   (_, body, lists, natural) => {
     body.byte((natural - lists.alignments.byte()) & 255);
@@ -165,6 +169,8 @@ const OPERANDS = [
   },
   (_, body, lists) => body.moveList(lists.others, 0),
   (_, body, lists) => body.byte(lists.others.byte()),
+  () => {},
+  (_, body, lists) => body.moveNumber(lists.addresses),
 ];
 
 /** The file whose parts are given; any other as it is. */

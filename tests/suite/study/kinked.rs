@@ -128,3 +128,44 @@ fn tolerances_are_those_of_dimensions_with_an_influence() {
         }
     }
 }
+
+/// At A = 0 the roots of squares have kinks, not slopes of zero: no derivative is told, and no search calls the greatest value the
+/// least. Beside them, what is constant for a while has a derivative, whatever is made of it.
+#[test]
+fn roots_of_what_is_zero_have_no_derivative() {
+    let w = Workspace::new();
+    let rows = [
+        ("10 - sqrt(A*A)", false),
+        ("10 - sqrt(A^2)", false),
+        ("10 - (A^4)^0.25", false),
+        ("10 - hypot(A, 0)", false),
+        ("10 - sqrt(2*A*A)", false),
+        ("10 - sqrt(max(A, 0)*A)", false),
+        ("10 - A - sqrt(max(A-1, 0))", true),
+        ("10 - A - sqrt(floor(A/7+0.5))", true),
+        ("10 - A - sqrt(0*A)", true),
+    ];
+    for (formula, has_derivative) in rows {
+        w.write("p.toml", plane([0.0, 1.0], &format!("F = \"{formula}\"")));
+        let asked = ["sensitivity", "p.toml", "--vary", "a", "--out", "s.json"];
+        let text = w.run(&asked).exits(0).text();
+        let report: Value = serde_json::from_slice(&w.read("s.json")).unwrap();
+        let slope = report["dimensions"][0]["derivatives"]["F"].as_f64();
+        let said = format!("{formula}: {text} {report:#}");
+        assert_eq!(slope.is_some(), has_derivative, "{said}");
+        assert!(
+            slope.is_none_or(|slope| (slope + 1.0).abs() < 1e-9),
+            "{said}"
+        );
+        for method in ["bfgs", "minimax"] {
+            let asked = ["optimise", "p.toml", "--method", method, "--json", "-"];
+            let report: Value = serde_json::from_slice(&w.run(&asked).stdout).unwrap();
+            let found = report["to"].as_f64().unwrap();
+            let is_least = found < 6.0;
+            assert!(
+                is_least || report["ended"] != "converged",
+                "{formula} {method}: {report:#}"
+            );
+        }
+    }
+}

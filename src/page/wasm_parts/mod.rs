@@ -1,8 +1,14 @@
-//! A WebAssembly file with its parts sorted by kind: operations by operations, constants by constants. Packed, they are an
-//! eighth smaller than in their order, and nothing is lost. `web/assemble.js` puts them together again; what follows
+//! A WebAssembly file with its parts sorted by kind: operations by operations, constants by constants. Packed, they are a
+//! seventh smaller than in their order, and nothing is lost. `web/assemble.js` puts them together again; what follows
 //! each operation travels with them as a table.
 //!
 //! Binary format of WebAssembly 2.0, sections 5.4 (instructions) and 5.5 (modules).
+
+mod operands;
+mod reader;
+
+use operands::{ADDRESS, Entry, OperandTable, Operands, PREFIXES};
+use reader::{Reader, push_number};
 
 /// The first byte of a sorted file. A plain one begins with zero.
 const SORTED: u8 = 1;
@@ -16,14 +22,14 @@ const CODE: u8 = 10;
 /// An addition, before which constants are mostly offsets.
 const ADD: u8 = 0x6a;
 
-/// Operations of two parts: those on blocks of memory, and those on four lanes.
-const PREFIXES: [u8; 2] = [0xfc, 0xfd];
+/// An integer of so many bytes is most likely an address.
+const MANY: usize = 4;
 
-/// Operations whose second part is below this number.
-const SECONDS: usize = 256;
+/// A function has fewer local variables.
+const MOST_LOCALS: usize = 50_000;
 
 /// Lists of parts.
-const KINDS: usize = 15;
+const KINDS: usize = 17;
 
 /// The kinds of parts, in the order of their lists.
 #[derive(Clone, Copy)]
@@ -36,197 +42,22 @@ enum Kind {
     Blocks,
     Labels,
     Calls,
-    /// How many others were used since the last use of a local variable.
-    Locals,
+    /// How many others were used since the last use of a local variable that is read.
+    Reads,
+    /// The same of one that is written.
+    Writes,
     Globals,
     /// What natural alignment is less than.
     Alignments,
     Offsets,
-    /// Constants to which something is added.
+    /// Integers of many bytes, most of them addresses.
+    Addresses,
+    /// Others to which something is added.
     Addends,
     Integers,
     Longs,
     Floats,
     Others,
-}
-
-/// What follows an operation. The numbers are known to the page.
-#[derive(Clone, Copy, PartialEq)]
-enum Operands {
-    Unknown,
-    None,
-    Block,
-    End,
-    Label,
-    /// A number of labels, they, and one more.
-    Labels,
-    Call,
-    Local,
-    Global,
-    /// Alignment and offset.
-    Memory,
-    /// The same and a lane.
-    MemoryLane,
-    Integer,
-    Long,
-    Float,
-    Double,
-    Vector,
-    /// Other numbers, so many.
-    One,
-    Two,
-    /// A number of types, and they.
-    Types,
-    Lane,
-    /// The operation's second part.
-    Second,
-}
-
-/// Operands of the operations from one number to another, both included.
-const PLAIN: &[(u8, u8, Operands)] = &[
-    (0x00, 0x01, Operands::None),
-    (0x02, 0x04, Operands::Block),
-    (0x05, 0x05, Operands::None),
-    (0x0b, 0x0b, Operands::End),
-    (0x0c, 0x0d, Operands::Label),
-    (0x0e, 0x0e, Operands::Labels),
-    (0x0f, 0x0f, Operands::None),
-    (0x10, 0x10, Operands::Call),
-    (0x11, 0x11, Operands::Two),
-    (0x1a, 0x1b, Operands::None),
-    (0x1c, 0x1c, Operands::Types),
-    (0x20, 0x22, Operands::Local),
-    (0x23, 0x24, Operands::Global),
-    (0x25, 0x26, Operands::One),
-    (0x28, 0x3e, Operands::Memory),
-    (0x3f, 0x40, Operands::One),
-    (0x41, 0x41, Operands::Integer),
-    (0x42, 0x42, Operands::Long),
-    (0x43, 0x43, Operands::Float),
-    (0x44, 0x44, Operands::Double),
-    (0x45, 0xc4, Operands::None),
-    (0xd0, 0xd0, Operands::One),
-    (0xd1, 0xd1, Operands::None),
-    (0xd2, 0xd2, Operands::One),
-    (0xfc, 0xfd, Operands::Second),
-];
-
-/// The same behind the prefixes.
-const SECOND: [&[(u8, u8, Operands)]; 2] = [
-    &[
-        (0, 7, Operands::None),
-        (8, 8, Operands::Two),
-        (9, 9, Operands::One),
-        (10, 10, Operands::Two),
-        (11, 11, Operands::One),
-        (12, 12, Operands::Two),
-        (13, 13, Operands::One),
-        (14, 14, Operands::Two),
-        (15, 17, Operands::One),
-    ],
-    &[
-        (0, 11, Operands::Memory),
-        (12, 13, Operands::Vector),
-        (14, 20, Operands::None),
-        (21, 34, Operands::Lane),
-        (35, 83, Operands::None),
-        (84, 91, Operands::MemoryLane),
-        (92, 93, Operands::Memory),
-        (94, 255, Operands::None),
-    ],
-];
-
-/// The first plain load.
-const FIRST_LOAD: usize = 0x28;
-
-/// Natural alignment of plain loads and stores, as powers of two.
-const NATURAL: [u8; 23] = [
-    2, 3, 2, 3, 0, 0, 1, 1, 0, 0, 1, 1, 2, 2, 2, 3, 2, 3, 0, 1, 0, 1, 2,
-];
-
-/// A function has fewer local variables.
-const MOST_LOCALS: usize = 50_000;
-
-/// Natural alignment is written this many bits above the operands.
-const ABOVE: u32 = 5;
-
-/// What follows an operation, and its natural alignment.
-#[derive(Clone, Copy)]
-struct Entry {
-    operands: Operands,
-    natural: u8,
-}
-
-/// Entries of all operations: plain ones, then those behind each prefix.
-struct OperandTable([[Entry; SECONDS]; 3]);
-
-impl OperandTable {
-    fn new() -> Self {
-        let unknown = Entry {
-            operands: Operands::Unknown,
-            natural: 0,
-        };
-        let mut table = [[unknown; SECONDS]; 3];
-        for (row, ranges) in table.iter_mut().zip([PLAIN, SECOND[0], SECOND[1]]) {
-            for (first, last, operands) in ranges {
-                let entries = &mut row[usize::from(*first)..=usize::from(*last)];
-                entries.iter_mut().for_each(|e| e.operands = *operands);
-            }
-        }
-        for (entry, natural) in table[0][FIRST_LOAD..].iter_mut().zip(NATURAL) {
-            entry.natural = natural;
-        }
-        Self(table)
-    }
-
-    /// A byte for each.
-    fn bytes(&self) -> impl Iterator<Item = u8> + '_ {
-        let entries = self.0.as_flattened().iter();
-        entries.map(|entry| entry.operands as u8 | entry.natural << ABOVE)
-    }
-}
-
-/// A file read from its beginning.
-struct Reader<'a> {
-    bytes: &'a [u8],
-    at: usize,
-}
-
-impl<'a> Reader<'a> {
-    fn take(&mut self, count: usize) -> Option<&'a [u8]> {
-        let taken = self.bytes.get(self.at..self.at.checked_add(count)?)?;
-        self.at += count;
-        Some(taken)
-    }
-
-    fn byte(&mut self) -> Option<u8> {
-        self.take(1).map(|taken| taken[0])
-    }
-
-    /// The bytes of a number.
-    fn number_bytes(&mut self) -> Option<&'a [u8]> {
-        let rest = self.bytes.get(self.at..)?;
-        let last = rest.iter().position(|byte| byte & 0x80 == 0)?;
-        self.take(last + 1)
-    }
-
-    /// A number without a sign; none if it could be written in fewer bytes.
-    fn number(&mut self) -> Option<usize> {
-        let bytes = self.number_bytes()?;
-        let digits = bytes.iter().rev().map(|byte| usize::from(byte & 0x7f));
-        let number = digits.fold(0, |sum, digit| sum << 7 | digit);
-        let mut written = Vec::new();
-        push_number(&mut written, number);
-        (written == bytes).then_some(number)
-    }
-}
-
-fn push_number(list: &mut Vec<u8>, mut number: usize) {
-    while number > 0x7f {
-        list.push(0x80 | (number & 0x7f) as u8);
-        number >>= 7;
-    }
-    list.push(number as u8);
 }
 
 /// The lists of parts, as they grow.
@@ -343,31 +174,21 @@ impl Parts {
     fn sort_operands(&mut self, entry: Entry, body: &mut Reader) -> Option<()> {
         match entry.operands {
             // An operation has no third part.
-            Operands::Unknown | Operands::Second => None,
+            Operands::Unknown | Operands::Second | Operands::Address => None,
             Operands::None | Operands::End => Some(()),
             Operands::Block => self.move_number(Kind::Blocks, body),
             Operands::Label => self.move_number(Kind::Labels, body),
             Operands::Labels => self.move_list(Kind::Labels, body, 1),
             Operands::Call => self.move_number(Kind::Calls, body),
-            Operands::Local => self.sort_local(body),
+            Operands::Read => self.sort_local(Kind::Reads, body),
+            Operands::Write => self.sort_local(Kind::Writes, body),
             Operands::Global => self.move_number(Kind::Globals, body),
             Operands::Memory => self.sort_place(entry, body),
             Operands::MemoryLane => {
                 self.sort_place(entry, body)?;
                 self.move_bytes(Kind::Others, body, 1)
             }
-            Operands::Integer => {
-                // A constant of 32 bits has no more bytes than that; what follows it is an operation.
-                let bytes = body.number_bytes()?;
-                let is_added = body.bytes.get(body.at) == Some(&ADD);
-                let kind = if is_added {
-                    Kind::Addends
-                } else {
-                    Kind::Integers
-                };
-                self.list(kind).extend_from_slice(bytes);
-                Some(())
-            }
+            Operands::Integer => self.sort_integer(body),
             Operands::Long => self.move_number(Kind::Longs, body),
             Operands::Float => self.move_bytes(Kind::Floats, body, 4),
             Operands::Double => self.move_bytes(Kind::Floats, body, 8),
@@ -382,6 +203,21 @@ impl Parts {
         }
     }
 
+    fn sort_integer(&mut self, body: &mut Reader) -> Option<()> {
+        let bytes = body.number_bytes()?;
+        let is_added = body.bytes.get(body.at) == Some(&ADD);
+        let kind = match is_added {
+            _ if bytes.len() >= MANY => Kind::Addresses,
+            true => Kind::Addends,
+            false => Kind::Integers,
+        };
+        if let (Kind::Addresses, Some(last)) = (kind, self.list(Kind::Operations).last_mut()) {
+            *last = ADDRESS;
+        }
+        self.list(kind).extend_from_slice(bytes);
+        Some(())
+    }
+
     /// Alignment and offset of a load or store.
     fn sort_place(&mut self, entry: Entry, body: &mut Reader) -> Option<()> {
         let alignment = body.byte().filter(|byte| byte & 0x80 == 0)?;
@@ -391,14 +227,14 @@ impl Parts {
     }
 
     /// Writes how many others were used more recently.
-    fn sort_local(&mut self, body: &mut Reader) -> Option<()> {
+    fn sort_local(&mut self, kind: Kind, body: &mut Reader) -> Option<()> {
         let local = body.number().filter(|local| *local <= MOST_LOCALS)?;
         while self.recent.len() <= local {
             self.recent.push(self.recent.len());
         }
         let rank = self.recent.iter().position(|other| *other == local)?;
         self.recent[..=rank].rotate_right(1);
-        push_number(self.list(Kind::Locals), rank);
+        push_number(self.list(kind), rank);
         Some(())
     }
 }
@@ -407,6 +243,7 @@ impl Parts {
 mod tests {
     #![allow(clippy::unwrap_used)]
 
+    use super::operands::SECONDS;
     use super::*;
 
     /// A module with one function of every kind of operands, and some more.
@@ -460,16 +297,18 @@ mod tests {
             b"\0asm\x01\0\0\0\x01\x04\x01\x60\0\0\0\x05\x04name",
             &[0, 1, 0xac, 2, 0x7f],
             &[
-                0x0b, 0x02, 0x20, 0x20, 0x21, 0x28, 0x2b, 0x41, 0x6a, 0x41, 0x1a, 0x42, 0x43, 0x44,
-                0x0e, 0x10, 0x11, 0x1c, 0x23, 0xfc, 0xfd, 0xfd, 0xfd, 0x0b, 0x0b,
+                0x0b, 0x02, 0x20, 0x20, 0x21, 0x28, 0x2b, 0x41, 0x6a, 0x41, 0x1a, 0x06, 0x6a, 0x42,
+                0x43, 0x44, 0x0e, 0x10, 0x11, 0x1c, 0x23, 0xfc, 0xfd, 0xfd, 0xfd, 0x0b, 0x0b,
             ],
             &[0x40],
             &[1, 0, 1],
             &[1],
-            &[2, 1, 1],
+            &[2, 1],
+            &[1],
             &[0],
             &[0, 3, 0],
             &[0x88, 1, 8, 3],
+            &[0x80, 0x80, 0xc0, 0],
             &[5],
             &[0x7f],
             &[9],
