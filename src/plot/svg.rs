@@ -15,6 +15,16 @@ const FAMILY: &str = "Noto Sans, Open Sans, DejaVu Sans, Helvetica, Arial, sans-
 
 /// The drawing as a complete SVG document.
 pub fn write_svg(drawing: &Drawing) -> String {
+    document(drawing, |primitives, text| {
+        for primitive in primitives {
+            write_element(primitive, text);
+            text.push('\n');
+        }
+    })
+}
+
+/// The document around the elements that are written.
+fn document(drawing: &Drawing, write: impl Fn(&[DrawnPrimitive], &mut String)) -> String {
     let [width, height] = drawing.size;
     let mut text = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
@@ -31,10 +41,7 @@ pub fn write_svg(drawing: &Drawing) -> String {
         "<desc id=\"desc\">{}</desc>",
         xml_text(&drawing.description)
     );
-    for primitive in &drawing.primitives {
-        write_element(primitive, &mut text);
-        text.push('\n');
-    }
+    write(&drawing.primitives, &mut text);
     text.push_str("</svg>\n");
     text
 }
@@ -43,7 +50,7 @@ pub fn write_svg(drawing: &Drawing) -> String {
 /// them. `id` is the element's, and the prefix of those of its title and description.
 pub fn write_inline(drawing: &Drawing, id: &str, names: &[(Colour, String)]) -> String {
     // Quotes are escaped in all texts of a scene, because some texts become attributes.
-    let mut text = write_svg(drawing)
+    let mut text = document(drawing, write_joined)
         .replace("\"title desc\"", &format!("\"{id}-title {id}-desc\""))
         .replace("id=\"title\"", &format!("id=\"{id}-title\""))
         .replace("id=\"desc\"", &format!("id=\"{id}-desc\""))
@@ -55,6 +62,35 @@ pub fn write_inline(drawing: &Drawing, id: &str, names: &[(Colour, String)]) -> 
         );
     }
     text
+}
+
+/// The same with neighbouring lines of one style, such as those of a grid, as one path each.
+fn write_joined(primitives: &[DrawnPrimitive], out: &mut String) {
+    let style = |primitive: &DrawnPrimitive| match primitive {
+        // Where lines that can be seen through cross, two of them are darker than one.
+        DrawnPrimitive::Line { stroke, name, .. } if name.is_empty() && stroke.colour[3] == 255 => {
+            Some(stroke_attributes(*stroke))
+        }
+        _ => None,
+    };
+    let is_one =
+        |a: &DrawnPrimitive, b: &DrawnPrimitive| style(a).is_some_and(|own| style(b) == Some(own));
+    for group in primitives.chunk_by(is_one) {
+        match (group, style(&group[0])) {
+            ([alone], _) => write_element(alone, out),
+            (lines, Some(style)) => {
+                let lines = lines.iter().filter_map(|line| match line {
+                    DrawnPrimitive::Line { points, .. } => {
+                        Some(format!("M{}", corner_list(points)))
+                    }
+                    _ => None,
+                });
+                let _ = write!(out, "<path d=\"{}\"{style}/>", lines.collect::<String>());
+            }
+            (others, None) => others.iter().for_each(|other| write_element(other, out)),
+        }
+        out.push('\n');
+    }
 }
 
 // Writing to a String cannot fail.

@@ -25,11 +25,14 @@ const ADD: u8 = 0x6a;
 /// An integer of so many bytes is most likely an address.
 const MANY: usize = 4;
 
+/// Natural alignment of numbers of eight bytes.
+const WIDE: u8 = 3;
+
 /// A function has fewer local variables.
 const MOST_LOCALS: usize = 50_000;
 
 /// Lists of parts.
-const KINDS: usize = 17;
+const KINDS: usize = 18;
 
 /// The kinds of parts, in the order of their lists.
 #[derive(Clone, Copy)]
@@ -47,8 +50,10 @@ enum Kind {
     /// The same of one that is written.
     Writes,
     Globals,
-    /// What natural alignment is less than.
+    /// By how much alignment is less than natural, of numbers of up to four bytes.
     Alignments,
+    /// The same of longer ones.
+    WideAlignments,
     Offsets,
     /// Integers of many bytes, most of them addresses.
     Addresses,
@@ -222,7 +227,11 @@ impl Parts {
     fn sort_place(&mut self, entry: Entry, body: &mut Reader) -> Option<()> {
         let alignment = body.byte().filter(|byte| byte & 0x80 == 0)?;
         let less = entry.natural.wrapping_sub(alignment);
-        self.list(Kind::Alignments).push(less);
+        let kind = match entry.natural {
+            WIDE.. => Kind::WideAlignments,
+            _ => Kind::Alignments,
+        };
+        self.list(kind).push(less);
         self.move_number(Kind::Offsets, body)
     }
 
@@ -306,7 +315,8 @@ mod tests {
             &[2, 1],
             &[1],
             &[0],
-            &[0, 3, 0],
+            &[0, 0],
+            &[3],
             &[0x88, 1, 8, 3],
             &[0x80, 0x80, 0xc0, 0],
             &[5],

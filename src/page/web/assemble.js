@@ -3,7 +3,7 @@
 /** The lists of parts, in their order. */
 const KINDS = [
   "rest", "declarations", "operations", "blocks", "labels", "calls", "reads", "writes", "globals",
-  "alignments", "offsets", "addresses", "addends", "integers", "longs", "floats", "others",
+  "alignments", "wide", "offsets", "addresses", "addends", "integers", "longs", "floats", "others",
 ];
 
 /** The section of functions' bodies, and operations: the second one stands for the first where the integer has many bytes. */
@@ -148,11 +148,11 @@ const OPERANDS = [
   (functions, body, lists) => body.number(functions.local(lists.writes.number())),
   (_, body, lists) => body.moveNumber(lists.globals),
   (_, body, lists, natural) => {
-    body.byte((natural - lists.alignments.byte()) & 255);
+    body.byte((natural - (natural < 3 ? lists.alignments : lists.wide).byte()) & 255);
     body.moveNumber(lists.offsets);
   },
   (_, body, lists, natural) => {
-    body.byte((natural - lists.alignments.byte()) & 255);
+    body.byte((natural - (natural < 3 ? lists.alignments : lists.wide).byte()) & 255);
     body.moveNumber(lists.offsets);
     body.byte(lists.others.byte());
   },
