@@ -130,6 +130,14 @@ impl Backdrop {
         (0..2).all(|k| low[k] <= greatest[k] && high[k] >= least[k])
     }
 
+    /// Columns and rows of the shadow's texels, first and last, that the ground in a tile depends on. Tiles are counted
+    /// from the first that is held on.
+    pub(super) fn texels(&self, tile: usize) -> Option<[[usize; 2]; 2]> {
+        let [low, high] = self.reach.get(tile).copied().flatten()?;
+        let corner = |[u, v]: [f32; 2]| TexelPlace::new(u, v).corner();
+        Some([corner(low), corner(high).map(|c| c + 1)])
+    }
+
     /// Where a pixel of the rows that are held is stored.
     #[inline(always)]
     fn index(&self, x: usize, y: usize) -> usize {
