@@ -4,6 +4,7 @@ mod renewal;
 
 use super::clip::{ClipCorner, clip_triangle};
 use super::lens::{Lens, LensVertex, OUTSIDE};
+use super::mask::PixelMask;
 use super::samples::SamplePattern;
 use super::window::{Window, line_apron, pitch};
 use crate::render::colour::ToneCurve;
@@ -24,12 +25,24 @@ pub(super) struct Facet {
     instance: u32,
     /// The attributes that separate surfaces for lines.
     surface: u32,
+    /// First and last column and row of the pixels in which it can have a sample.
+    columns: [u16; 2],
+    rows: [u16; 2],
 }
 
 impl Facet {
     #[inline(always)]
     pub(super) fn instance(&self) -> usize {
         (self.instance & !BACK) as usize
+    }
+
+    /// The pixels in which it can have a sample.
+    #[inline(always)]
+    pub(super) fn pixels(&self) -> Window {
+        Window {
+            x: self.columns.map(i32::from),
+            y: self.rows.map(i32::from),
+        }
     }
 
     /// The sign of normals on the visible side.
@@ -48,12 +61,20 @@ pub(super) struct Paint {
 }
 
 /// Facets of one tile, as indices into [`TriangleAssembly::facets`].
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct TileBin {
     pub(super) opaque: Vec<u32>,
     pub(super) translucent: Vec<u32>,
-    /// Whether they may be others than in the frame before.
-    pub(super) is_new: bool,
+    /// The pixels of facets that were not in the frame before, or are no more.
+    pub(super) changed: PixelMask,
+}
+
+impl TileBin {
+    const NEW: Self = Self {
+        opaque: Vec::new(),
+        translucent: Vec::new(),
+        changed: PixelMask::ALL,
+    };
 }
 
 /// Where an instance is in the lists of a frame.
@@ -83,12 +104,14 @@ pub(super) struct TriangleAssembly {
     reach: [i32; 2],
     /// Size of a tile in pixels, and the width of the apron that its lines depend on.
     pitch: i32,
-    apron: i32,
+    pub(super) apron: i32,
     /// Whether lines are drawn at creases, too.
     creases: bool,
     places: Vec<InstancePlace>,
     /// Where the next facet is stored.
     next: usize,
+    /// Whether still instances are as they were in the frame before.
+    is_renewed: bool,
     /// Whether any triangle was clipped, whose facets have vertices of their own.
     is_clipped: bool,
     last: LastFrame,
@@ -171,7 +194,7 @@ impl TriangleAssembly {
             ((last + 1) * self.pitch - 1 + self.apron).min(self.size[1] - 1),
         ];
         let count = (last - first + 1) as usize * self.columns;
-        self.bins.resize(count, TileBin::default());
+        self.bins.resize(count, TileBin::NEW);
     }
 
     /// Fills the bins with a frame's facets. Instances of meshes that do not exist are left out.
@@ -184,9 +207,11 @@ impl TriangleAssembly {
     ) {
         let changes = self.last.replace(frame, camera, self.of_stage);
         let changes = changes.filter(|_| !self.is_clipped);
+        self.is_renewed = true;
         let is_renewed =
             changes.is_some_and(|changes| self.renew(frame, solids, lens, pattern, changes));
         if !is_renewed {
+            self.is_renewed = false;
             self.assemble_all(frame, solids, lens, pattern);
         }
     }
@@ -227,7 +252,7 @@ impl TriangleAssembly {
         for bin in &mut self.bins {
             bin.opaque.clear();
             bin.translucent.clear();
-            bin.is_new = true;
+            bin.changed = PixelMask::ALL;
         }
     }
 
@@ -346,7 +371,13 @@ impl TriangleAssembly {
             corners: if front { [i, j, k] } else { [i, k, j] },
             instance: index as u32 | if front { 0 } else { BACK },
             surface,
+            columns: [x0, x1].map(|x| x as u16),
+            rows: [y0, y1].map(|y| y as u16),
         });
+        let pixels = Window {
+            x: [x0, x1],
+            y: [y0, y1],
+        };
         // Into the bins of all tiles that it can reach, with the aprons that their lines depend on.
         let opaque = self.paints[index].opacity >= 1.0;
         let tiles = |first: i32, last: i32, size: i32| {
@@ -359,8 +390,12 @@ impl TriangleAssembly {
         let [first, last] = self.tile_rows;
         for row in top.max(first)..=bottom.min(last) {
             let start = (row - first) as usize * self.columns;
-            for bin in &mut self.bins[start + left as usize..=start + right as usize] {
-                bin.is_new = true;
+            let bins = &mut self.bins[start + left as usize..=start + right as usize];
+            for (column, bin) in (left..).zip(bins) {
+                if self.is_renewed {
+                    let corner = [column, row].map(|k| (k * self.pitch - self.apron).max(0));
+                    bin.changed.add(corner, &pixels);
+                }
                 if opaque {
                     bin.opaque.push(number);
                 } else {

@@ -138,6 +138,13 @@ impl Backdrop {
         Some([corner(low), corner(high).map(|c| c + 1)])
     }
 
+    /// Column and row of the shadow's texel that a pixel of the ground depends on, with the next ones.
+    #[inline(always)]
+    pub(super) fn texel(&self, x: usize, y: usize) -> [usize; 2] {
+        let spot = self.spots.get(self.index(x, y)).copied();
+        spot.unwrap_or_default().place.corner()
+    }
+
     /// Where a pixel of the rows that are held is stored.
     #[inline(always)]
     fn index(&self, x: usize, y: usize) -> usize {

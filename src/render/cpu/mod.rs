@@ -12,6 +12,7 @@ mod cell;
 mod clip;
 mod kept;
 mod lens;
+mod mask;
 mod near_samples;
 mod outlines;
 mod raster;
@@ -34,7 +35,7 @@ use kept::KeptTiles;
 use lens::Lens;
 use std::ops::Range;
 use std::sync::Arc;
-use tile::TileSamples;
+use tile::{TileSamples, fill_background};
 use view::RasterView;
 
 /// Longest side of a picture in pixels: screen coordinates keep 8 bits of fraction in 22 bits, and the guard band
@@ -280,22 +281,24 @@ impl DrawnScene<'_> {
     }
 }
 
-/// Draws the tiles that are not as they were, one after the other, each with an apron for the lines; those at the ends of a
-/// strip in part.
+/// Draws what is not as it was, tile by tile, each with an apron for the lines; those at the ends of a strip in part.
 fn draw_tiles<const G: usize>(
     view: &RasterView,
-    kept: &KeptTiles,
+    kept: &mut KeptTiles,
     tile: &mut TileSamples<G>,
     (bytes, stride): (&mut [u8], usize),
 ) {
     let rows = view.backdrop.rows();
     let [first, last] = [rows.start, rows.end - 1].map(|y| y as i32);
-    let tiles = 0..view.assembly.bins.len();
-    for number in tiles.filter(|number| !kept.is_same(view, *number)) {
+    for number in 0..view.assembly.bins.len() {
         let mut inner = view.assembly.window(number);
         inner.y = [inner.y[0].max(first), inner.y[1].min(last)];
-        let own = &mut bytes[(inner.y[0] - first) as usize * stride..];
-        tile.draw(view, number, inner, own, stride);
+        let [changed, shaded] = kept.changed(view, number, &inner);
+        if !changed.pixels.is_empty() {
+            tile.draw(view, number, &changed, (bytes, first, stride));
+            kept.renew(number, &changed, tile.seen_backdrop, tile.bare);
+        }
+        fill_background(view, &shaded, (bytes, first, stride));
     }
 }
 

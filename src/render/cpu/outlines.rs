@@ -3,11 +3,12 @@
 use super::assembly::TriangleAssembly;
 use super::cell::{NOTHING, PixelCell};
 use super::lens::Lens;
+use super::mask::TilePart;
 use super::near_samples::{NearPixel, near_pixels};
 use super::samples::{LANES, SamplePattern};
 use super::translucent::Layers;
 use super::view::RasterView;
-use super::window::{AREA, TILE, Window, for_inner, line_apron};
+use super::window::{AREA, TILE, Window, line_apron};
 use crate::render::Stage;
 use crate::render::colour::ToneCurve;
 use crate::render::edges::{BACKDROP, EdgeStyle, FIRST, JUMP, NO_LINES, STRENGTH, TRANSLUCENT};
@@ -58,15 +59,19 @@ impl OutlineFinder {
         })
     }
 
-    /// Reads the surfaces of the opaque samples of a tile.
+    /// Reads the surfaces of the opaque samples in these rows of a tile.
     pub(super) fn read<const G: usize>(
         &mut self,
         assembly: &TriangleAssembly,
         cells: &[PixelCell<G>],
+        rows: [usize; 2],
     ) {
         let mut known = (NOTHING, BACKDROP);
-        let own = self.surface.chunks_exact_mut(LANES * G);
-        let own = own.zip(self.depth.chunks_exact_mut(LANES * G));
+        let [first, end] = rows.map(|row| row * TILE * self.samples);
+        let samples = first..end;
+        let cells = &cells[samples.start / (LANES * G)..samples.end / (LANES * G)];
+        let own = self.surface[samples.clone()].chunks_exact_mut(LANES * G);
+        let own = own.zip(self.depth[samples].chunks_exact_mut(LANES * G));
         for ((surfaces, depths), cell) in own.zip(cells) {
             // Adjacent samples mostly show the same facet, whose surface is kept.
             depths.copy_from_slice(cell.depth.as_flattened());
@@ -102,32 +107,48 @@ impl OutlineFinder {
         [0, 1, 2].map(|k| mix_values(rgb[k], self.ink[k], STRENGTH * share))
     }
 
-    /// Finds the samples of `inner` that are on a line; with `over` only lines with a translucent side.
-    pub(super) fn find(&mut self, lens: &Lens, window: Window, inner: Window, over: bool) {
+    /// Finds the samples of a part of a tile that are on a line; with `over` only lines with a translucent side.
+    pub(super) fn find(&mut self, lens: &Lens, part: &TilePart, over: bool) {
         let least = if over { TRANSLUCENT } else { FIRST };
-        self.read_pixels(window);
+        let window = part.window;
+        self.read_pixels(window, part.pixels.grown(self.reach).rows());
         let jump = JUMP * lens.pixel();
-        for y in inner.y[0]..=inner.y[1] {
-            let row = Window { y: [y; 2], ..inner };
+        for row in (0..TILE).filter(|row| part.pixels.has_row(*row)) {
+            let y = window.y[0] + row as i32;
             // Rows without any drawn surface have no lines.
-            if self.is_bare(window, y, least) {
-                for_inner(window, row, |pixel, _, _| self.marks[pixel] = 0);
-                continue;
-            }
-            for_inner(window, row, |pixel, x, y| {
-                let at = (pixel, x, y);
-                let own = self.whole[pixel];
-                // Inside one surface only a step in depth can make a line; elsewhere borders do as well.
-                let calm = self.is_calm(window, pixel, y, own);
-                self.marks[pixel] = match own {
-                    _ if calm && own < least => 0,
-                    _ if calm => self.steps(lens, window, at, jump),
-                    _ => {
-                        self.border_samples(window, at, over)
-                            | self.jumps(lens, window, at, (jump, least))
-                    }
-                };
+            let is_bare = self.is_bare(window, y, least);
+            part.pixels.for_runs_of(row, |first, count| {
+                for pixel in first..first + count {
+                    let at = (pixel, window.x[0] + (pixel % TILE) as i32, y);
+                    self.marks[pixel] = if is_bare {
+                        0
+                    } else {
+                        self.line(lens, window, at, (jump, least))
+                    };
+                }
             });
+        }
+    }
+
+    /// The samples of a pixel that are on a line.
+    #[inline(always)]
+    fn line(
+        &self,
+        lens: &Lens,
+        window: Window,
+        at: (usize, i32, i32),
+        (jump, least): (f32, u32),
+    ) -> u16 {
+        let own = self.whole[at.0];
+        // Inside one surface only a step in depth can make a line; elsewhere borders do as well.
+        let calm = self.is_calm(window, at.0, at.2, own);
+        match own {
+            _ if calm && own < least => 0,
+            _ if calm => self.steps(lens, window, at, jump),
+            _ => {
+                self.border_samples(window, at, least == TRANSLUCENT)
+                    | self.jumps(lens, window, at, (jump, least))
+            }
         }
     }
 
@@ -139,21 +160,21 @@ impl OutlineFinder {
         rows[0] != MIXED && rows[0] < least && rows.iter().all(|row| *row == rows[0])
     }
 
-    fn read_pixels(&mut self, window: Window) {
+    fn read_pixels(&mut self, window: Window, rows: [usize; 2]) {
         match self.samples {
-            4 => self.read_pixels_of::<4>(window),
-            8 => self.read_pixels_of::<8>(window),
-            16 => self.read_pixels_of::<16>(window),
-            2 => self.read_pixels_of::<2>(window),
-            _ => self.read_pixels_of::<1>(window),
+            4 => self.read_pixels_of::<4>(window, rows),
+            8 => self.read_pixels_of::<8>(window, rows),
+            16 => self.read_pixels_of::<16>(window, rows),
+            2 => self.read_pixels_of::<2>(window, rows),
+            _ => self.read_pixels_of::<1>(window, rows),
         }
     }
 
-    fn read_pixels_of<const S: usize>(&mut self, window: Window) {
+    fn read_pixels_of<const S: usize>(&mut self, window: Window, rows: [usize; 2]) {
         let columns = (window.x[1] - window.x[0] + 1) as usize;
         let reach = self.reach as usize;
         let (samples, _) = self.surface.as_chunks::<S>();
-        for row in 0..(window.y[1] - window.y[0] + 1) as usize {
+        for row in (rows[0]..rows[1]).take((window.y[1] - window.y[0] + 1) as usize - rows[0]) {
             let pixels = row * TILE..row * TILE + columns;
             let whole = &mut self.whole[pixels.clone()];
             for (whole, own) in whole.iter_mut().zip(&samples[pixels.clone()]) {
@@ -331,15 +352,14 @@ impl OutlineFinder {
         marks
     }
 
-    /// Mixes the ink into the pixels of `inner`; `bare` marks a pixel whose colour is still the backdrop's.
+    /// Mixes the ink into the pixels of a part of a tile; `bare` marks a pixel whose colour is still the backdrop's.
     pub(super) fn ink(
         &self,
         view: &RasterView,
-        window: Window,
-        inner: Window,
+        part: &TilePart,
         (colours, bare): (&mut [Rgb], Rgb),
     ) {
-        for_inner(window, inner, |pixel, x, y| {
+        part.for_each(|pixel, x, y| {
             let marks = self.marks[pixel];
             if marks == 0 {
                 return;

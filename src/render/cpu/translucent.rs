@@ -5,11 +5,12 @@
 
 use super::assembly::{TileBin, TriangleAssembly};
 use super::cell::{NOTHING, PixelCell};
+use super::mask::{PixelMask, TilePart};
 use super::rasterise::rasterise_block;
 use super::samples::{LANES, SamplePattern};
 use super::shading::{ShadingBatch, unit_vector};
 use super::view::RasterView;
-use super::window::{AREA, TILE, Window, for_inner};
+use super::window::{AREA, TILE, Window};
 use crate::render::look::{self, Rgb};
 use wide::{f32x4, i32x4};
 
@@ -86,12 +87,13 @@ impl<const G: usize> Layers<G> {
         found
     }
 
-    /// Finds the layers of a bin's translucent facets in front of the opaque samples of `cells`.
+    /// Finds the layers of a bin's translucent facets in front of the opaque samples of `cells`, as far as they are
+    /// needed.
     pub(super) fn collect(
         &mut self,
         view: &RasterView,
         bin: &TileBin,
-        window: Window,
+        (window, needed): (Window, &PixelMask),
         pattern: &SamplePattern<G>,
         cells: &[PixelCell<G>],
     ) {
@@ -102,6 +104,9 @@ impl<const G: usize> Layers<G> {
         self.latest.resize(AREA, NONE);
         for number in &bin.translucent {
             let facet = &view.assembly.facets[*number as usize];
+            if !needed.meets(window.corner(), &facet.pixels()) {
+                continue;
+            }
             let opacity = view.assembly.paints[facet.instance()].opacity;
             let corners = view.assembly.corners(&facet.corners);
             let drawn = (*number as i32, opacity);
@@ -202,13 +207,13 @@ impl<const G: usize> Layers<G> {
     pub(super) fn lay_under<const S: usize>(
         &mut self,
         assembly: &TriangleAssembly,
-        (window, inner): (Window, Window),
+        part: &TilePart,
         facets: impl Fn(usize) -> [i32; S],
     ) {
         self.under.clear();
         self.behind.clear();
         self.behind.resize(AREA * S, NONE);
-        for_inner(window, inner, |pixel, _, _| {
+        part.for_each(|pixel, _, _| {
             if self.touch(pixel) {
                 let first = self.under.len();
                 for (sample, facet) in facets(pixel).into_iter().enumerate() {
@@ -231,14 +236,14 @@ impl<const G: usize> Layers<G> {
     pub(super) fn blend(
         &mut self,
         view: &RasterView,
-        (window, inner): (Window, Window),
+        part: &TilePart,
         inked: impl Fn(usize, Rgb) -> Rgb,
         batch: &mut ShadingBatch,
         pixels: &mut [Rgb],
     ) {
-        self.light(view, window, batch);
+        self.light(view, part.window, batch);
         let samples = self.samples;
-        for_inner(window, inner, |pixel, _, _| {
+        part.for_each(|pixel, _, _| {
             if !self.touch(pixel) {
                 return;
             }

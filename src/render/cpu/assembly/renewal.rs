@@ -1,7 +1,9 @@
 //! From one frame to the next with a still camera: only what moved is transformed and sorted into tiles again.
 
 use super::super::lens::{Lens, OUTSIDE};
+use super::super::mask::PixelMask;
 use super::super::samples::SamplePattern;
+use super::super::window::Window;
 use super::{InstancePlace, TriangleAssembly, on_screen};
 use crate::render::last_frame::Change;
 use crate::render::{Frame, MeshList};
@@ -58,7 +60,7 @@ impl TriangleAssembly {
             self.places[index].facets.end = self.next as u32;
         }
         // Facets are drawn in their order, which is that of the instances.
-        for bin in self.bins.iter_mut().filter(|bin| bin.is_new) {
+        for bin in self.bins.iter_mut().filter(|bin| !bin.changed.is_empty()) {
             bin.opaque.sort_unstable();
             bin.translucent.sort_unstable();
         }
@@ -99,19 +101,24 @@ impl TriangleAssembly {
                 std::mem::replace(&mut place.facets, start..start)
             })
             .collect();
-        for bin in &mut self.bins {
-            bin.is_new = false;
+        let facets = &self.facets;
+        let windows: Vec<Window> = (0..self.bins.len())
+            .map(|tile| self.with_apron(self.window(tile)))
+            .collect();
+        for (bin, window) in self.bins.iter_mut().zip(windows) {
+            bin.changed = PixelMask::NONE;
             for list in [&mut bin.opaque, &mut bin.translucent] {
-                let count = list.len();
-                remove_ranges(list, &gone);
-                bin.is_new |= list.len() != count;
+                remove_ranges(list, &gone, |number| {
+                    let pixels = facets[number as usize].pixels();
+                    bin.changed.add(window.corner(), &pixels);
+                });
             }
         }
     }
 }
 
-/// Removes the numbers within any of the ranges; all are in rising order.
-fn remove_ranges(list: &mut Vec<u32>, ranges: &[Range<u32>]) {
+/// Removes the numbers within any of the ranges, and shows them; all are in rising order.
+fn remove_ranges(list: &mut Vec<u32>, ranges: &[Range<u32>], mut show: impl FnMut(u32)) {
     let mut rest = ranges;
     list.retain(|number| {
         while let [first, others @ ..] = rest
@@ -119,7 +126,11 @@ fn remove_ranges(list: &mut Vec<u32>, ranges: &[Range<u32>]) {
         {
             rest = others;
         }
-        !rest.first().is_some_and(|range| range.contains(number))
+        let is_gone = rest.first().is_some_and(|range| range.contains(number));
+        if is_gone {
+            show(*number);
+        }
+        !is_gone
     });
 }
 
@@ -130,7 +141,10 @@ mod tests {
     #[test]
     fn ranges_are_removed() {
         let mut list = vec![0, 3, 4, 9, 12, 13, 40];
-        remove_ranges(&mut list, &[0..1, 4..4, 4..10, 13..14, 20..30]);
+        let mut removed = Vec::new();
+        let ranges = [0..1, 4..4, 4..10, 13..14, 20..30];
+        remove_ranges(&mut list, &ranges, |number| removed.push(number));
         assert_eq!(list, [3, 12, 40]);
+        assert_eq!(removed, [0, 4, 9, 13]);
     }
 }
