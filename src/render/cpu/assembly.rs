@@ -1,6 +1,7 @@
 //! From instances to the triangles that each tile has to draw: transform, cull, clip, sort into tiles.
 
 mod renewal;
+mod tiles;
 
 use super::clip::{ClipCorner, clip_triangle};
 use super::lens::{Lens, LensVertex, OUTSIDE};
@@ -13,6 +14,7 @@ use crate::render::last_frame::LastFrame;
 use crate::render::look::Rgb;
 use crate::render::{Camera, Frame, Instance, MeshList, Stage, StageMesh};
 use std::ops::Range;
+pub(super) use tiles::TileBin;
 
 /// Set in [`Facet::instance`] when the back of the triangle is seen.
 const BACK: u32 = 1 << 31;
@@ -58,23 +60,6 @@ pub(super) struct Paint {
     pub(super) albedo: Rgb,
     pub(super) flat: f32,
     pub(super) opacity: f32,
-}
-
-/// Facets of one tile, as indices into [`TriangleAssembly::facets`].
-#[derive(Clone, Debug)]
-pub(super) struct TileBin {
-    pub(super) opaque: Vec<u32>,
-    pub(super) translucent: Vec<u32>,
-    /// The pixels of facets that were not in the frame before, or are no more.
-    pub(super) changed: PixelMask,
-}
-
-impl TileBin {
-    const NEW: Self = Self {
-        opaque: Vec::new(),
-        translucent: Vec::new(),
-        changed: PixelMask::ALL,
-    };
 }
 
 /// Where an instance is in the lists of a frame.
@@ -151,50 +136,11 @@ impl TriangleAssembly {
         ]
     }
 
-    /// The pixels of a tile, counted from the first that is drawn on.
-    pub(super) fn window(&self, tile: usize) -> Window {
-        let [column, row] = [tile % self.columns, tile / self.columns].map(|k| k as i32);
-        let range = |k: i32, size: i32| [k * self.pitch, ((k + 1) * self.pitch).min(size) - 1];
-        Window {
-            x: range(column, self.size[0]),
-            y: range(row + self.tile_rows[0], self.size[1]),
-        }
-    }
-
-    /// The pixels of a tile and those around it that its lines depend on.
-    pub(super) fn with_apron(&self, inner: Window) -> Window {
-        let grown = |[first, last]: [i32; 2], size: i32| {
-            [
-                (first - self.apron).max(0),
-                (last + self.apron).min(size - 1),
-            ]
-        };
-        Window {
-            x: grown(inner.x, self.size[0]),
-            y: grown(inner.y, self.size[1]),
-        }
-    }
-
     /// The surface of a facet, or the background.
     #[inline(always)]
     pub(super) fn surface(&self, facet: i32) -> u32 {
         let facet = self.facets.get(facet as usize);
         facet.map_or(BACKDROP, |facet| facet.surface)
-    }
-
-    /// Selects the tiles that show any of the rows, of which there is at least one.
-    pub(super) fn select_rows(&mut self, rows: &Range<usize>) {
-        let [first, last] = [rows.start, rows.end - 1].map(|y| y as i32 / self.pitch);
-        if self.tile_rows != [first, last] {
-            self.last.forget();
-        }
-        self.tile_rows = [first, last];
-        self.reach = [
-            (first * self.pitch - self.apron).max(0),
-            ((last + 1) * self.pitch - 1 + self.apron).min(self.size[1] - 1),
-        ];
-        let count = (last - first + 1) as usize * self.columns;
-        self.bins.resize(count, TileBin::NEW);
     }
 
     /// Fills the bins with a frame's facets. Instances of meshes that do not exist are left out.
@@ -374,35 +320,7 @@ impl TriangleAssembly {
             columns: [x0, x1].map(|x| x as u16),
             rows: [y0, y1].map(|y| y as u16),
         });
-        let pixels = Window {
-            x: [x0, x1],
-            y: [y0, y1],
-        };
-        // Into the bins of all tiles that it can reach, with the aprons that their lines depend on.
-        let opaque = self.paints[index].opacity >= 1.0;
-        let tiles = |first: i32, last: i32, size: i32| {
-            let first = (first - self.apron).max(0) / self.pitch;
-            let last = (last + self.apron).min(size - 1) / self.pitch;
-            [first, last]
-        };
-        let [left, right] = tiles(x0, x1, self.size[0]);
-        let [top, bottom] = tiles(y0, y1, self.size[1]);
-        let [first, last] = self.tile_rows;
-        for row in top.max(first)..=bottom.min(last) {
-            let start = (row - first) as usize * self.columns;
-            let bins = &mut self.bins[start + left as usize..=start + right as usize];
-            for (column, bin) in (left..).zip(bins) {
-                if self.is_renewed {
-                    let corner = [column, row].map(|k| (k * self.pitch - self.apron).max(0));
-                    bin.changed.add(corner, &pixels);
-                }
-                if opaque {
-                    bin.opaque.push(number);
-                } else {
-                    bin.translucent.push(number);
-                }
-            }
-        }
+        self.add_to_tiles(number);
     }
 
     /// Stores a facet and returns its number.

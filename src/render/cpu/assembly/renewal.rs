@@ -4,6 +4,7 @@ use super::super::lens::{Lens, OUTSIDE};
 use super::super::mask::PixelMask;
 use super::super::samples::SamplePattern;
 use super::super::window::Window;
+use super::tiles::ScreenTriangle;
 use super::{InstancePlace, TriangleAssembly, on_screen};
 use crate::render::last_frame::Change;
 use crate::render::{Frame, MeshList};
@@ -28,13 +29,18 @@ impl TriangleAssembly {
         if !self.keep_places(&before, &mut changes) || !self.is_worth_it(&changes) {
             return false;
         }
+        let listed = |index: usize| solids.get(frame.instances[index].mesh);
+        for (index, change) in changes.iter_mut().enumerate() {
+            // A mesh with all its triangles is drawn in another way than a part of it.
+            let is_closed = listed(index).is_some_and(|solid| solid.closed);
+            if matches!(change, Change::Grown(_)) && is_closed {
+                *change = Change::Moved;
+            }
+        }
+        self.remove_moved(&changes);
         let shapes = frame.instances.iter().enumerate();
         let shapes = shapes.filter_map(|(index, i)| Some((index, i, solids.get(i.mesh)?)));
         for (index, instance, solid) in shapes.clone() {
-            // A mesh with all its triangles is drawn in another way than a part of it.
-            if matches!(changes[index], Change::Grown(_)) && solid.closed {
-                changes[index] = Change::Moved;
-            }
             let is_inside = changes[index] != Change::Moved || {
                 let own = self.places[index].vertices.clone();
                 let own = &mut self.vertices[own.start as usize..own.end as usize];
@@ -48,7 +54,6 @@ impl TriangleAssembly {
                 return false;
             }
         }
-        self.remove_moved(&changes);
         for (index, instance, solid) in shapes {
             let from = match changes[index] {
                 Change::Still => continue,
@@ -101,7 +106,6 @@ impl TriangleAssembly {
                 std::mem::replace(&mut place.facets, start..start)
             })
             .collect();
-        let facets = &self.facets;
         let windows: Vec<Window> = (0..self.bins.len())
             .map(|tile| self.with_apron(self.window(tile)))
             .collect();
@@ -109,8 +113,9 @@ impl TriangleAssembly {
             bin.changed = PixelMask::NONE;
             for list in [&mut bin.opaque, &mut bin.translucent] {
                 remove_ranges(list, &gone, |number| {
-                    let pixels = facets[number as usize].pixels();
-                    bin.changed.add(window.corner(), &pixels);
+                    let facet = &self.facets[number as usize];
+                    let triangle = ScreenTriangle::new(facet, &self.vertices);
+                    triangle.mark(window.corner(), &mut bin.changed);
                 });
             }
         }
