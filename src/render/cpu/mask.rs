@@ -49,6 +49,13 @@ impl PixelMask {
         self.0[row] != 0
     }
 
+    /// Whether a row has any pixel of these columns, first and last.
+    #[inline(always)]
+    pub(super) fn has_any(&self, row: i32, [first, last]: [i32; 2]) -> bool {
+        let below = |column: i32| (1u64 << column.clamp(0, TILE as i32)) - 1;
+        u64::from(self.0[row as usize % TILE]) & below(last + 1) & !below(first) != 0
+    }
+
     /// First row with a pixel, and the row after the last one.
     pub(super) fn rows(&self) -> [usize; 2] {
         let first = self.0.iter().position(|row| *row != 0).unwrap_or(TILE);
@@ -94,8 +101,11 @@ impl PixelMask {
     /// Calls `visit` with the first pixel of each run of pixels in a row, and the length of the run.
     #[inline(always)]
     pub(super) fn for_runs(&self, mut visit: impl FnMut(usize, usize)) {
-        for row in 0..TILE {
-            self.for_runs_of(row, &mut visit);
+        for (row, bits) in self.0.iter().enumerate() {
+            let mut bits = *bits;
+            while let Some([first, count]) = next_run(&mut bits) {
+                visit(row * TILE + first, count);
+            }
         }
     }
 
@@ -103,13 +113,19 @@ impl PixelMask {
     #[inline(always)]
     pub(super) fn for_runs_of(&self, row: usize, mut visit: impl FnMut(usize, usize)) {
         let mut bits = self.0[row];
-        while bits != 0 {
-            let first = bits.trailing_zeros();
-            let count = (bits >> first).trailing_ones();
-            visit(row * TILE + first as usize, count as usize);
-            bits &= !((u32::MAX >> (u32::BITS - count)) << first);
+        while let Some([first, count]) = next_run(&mut bits) {
+            visit(row * TILE + first, count);
         }
     }
+}
+
+/// Takes the first run out of a row: its first bit and its length.
+#[inline(always)]
+fn next_run(bits: &mut u32) -> Option<[usize; 2]> {
+    let first = bits.trailing_zeros();
+    let count = bits.checked_shr(first)?.trailing_ones();
+    *bits &= !((u32::MAX >> (u32::BITS - count)) << first);
+    Some([first, count].map(|k| k as usize))
 }
 
 impl TilePart {

@@ -144,7 +144,7 @@ impl<const G: usize> TileSamples<G> {
         self.clear(&view, part.window, &needed);
         self.cover_bin(&view, bin, part.window, &needed);
         if let Some(outlines) = &mut self.outlines {
-            outlines.read(view.assembly, &self.cells, needed.rows());
+            outlines.read(view.assembly, &self.cells, &needed);
             outlines.find(view.lens, part, false);
         }
         let translucent = !bin.translucent.is_empty();
@@ -239,7 +239,7 @@ impl<const G: usize> TileSamples<G> {
             let corners = view.assembly.corners(&facet.corners);
             let own = i32x4::splat(*number as i32);
             let cells = self.cells.as_mut_slice();
-            rasterise_block(corners, &window, &self.pattern, |cell, g, covered, new| {
+            rasterise_block(corners, (&window, needed), &self.pattern, |cell, g, covered, new| {
                 let cell = &mut cells[cell];
                 let old = f32x4::from(cell.depth[g]);
                 // Depth test: nearness grows towards the viewer, and the earlier instance wins a tie.

@@ -110,7 +110,7 @@ impl<const G: usize> Layers<G> {
             let opacity = view.assembly.paints[facet.instance()].opacity;
             let corners = view.assembly.corners(&facet.corners);
             let drawn = (*number as i32, opacity);
-            rasterise_block(corners, &window, pattern, |cell, g, covered, new| {
+            rasterise_block(corners, (&window, needed), pattern, |cell, g, covered, new| {
                 // In front of all opaque surfaces.
                 let seen = new.simd_gt(f32x4::from(cells[cell].depth[g])) & covered;
                 if seen.to_bitmask() == 0 {

@@ -31,51 +31,44 @@ impl TileBin {
 
 /// A triangle on the screen.
 pub(super) struct ScreenTriangle {
-    /// Steps of the edge functions per screen unit to the right and down, and their values at the origin; none is negative
-    /// inside.
-    sides: [[i64; 3]; 3],
     pixels: Window,
-    is_small: bool,
+    /// Steps of the edge functions per screen unit to the right and down, and their values at the origin; none is negative
+    /// inside. `None` for a triangle that fills much of the rectangle around it, or a small one.
+    sides: Option<[[i64; 3]; 3]>,
 }
 
 impl ScreenTriangle {
-    /// Its corners are counter-clockwise on the screen.
     #[inline(always)]
     pub(super) fn new(facet: &Facet, vertices: &[LensVertex]) -> Self {
         let pixels = facet.pixels();
         let extent = |[first, last]: [i32; 2]| last - first;
-        let [a, b, c] = facet.corners.map(|i| &vertices[i as usize]);
-        let side = |from: &LensVertex, to: &LensVertex| {
-            let (x, y) = (i64::from(to.y - from.y), i64::from(from.x - to.x));
-            [x, y, -(x * i64::from(from.x) + y * i64::from(from.y))]
-        };
-        Self {
-            sides: [side(a, b), side(b, c), side(c, a)],
-            is_small: extent(pixels.x) < SMALL || extent(pixels.y) < SMALL,
-            pixels,
-        }
+        let is_small = extent(pixels.x) < SMALL || extent(pixels.y) < SMALL;
+        let sides = (!is_small).then(|| sides_of(facet, vertices));
+        Self { pixels, sides }
     }
 
     /// Whether it may have a sample in a rectangle of pixels.
     #[inline(always)]
     fn meets(&self, x: [i32; 2], y: [i32; 2]) -> bool {
+        let Some(sides) = &self.sides else {
+            return true;
+        };
         let units = |[first, last]: [i32; 2]| {
             let [first, end] = [first, last + 1].map(|p| i64::from(p << SUBPIXEL_BITS));
             (first, end - first)
         };
         let ((left, width), (top, height)) = (units(x), units(y));
         // The greatest value within the rectangle is that at one of its corners.
-        self.is_small
-            || self.sides.iter().all(|[right, down, start]| {
-                let corner = start + right * left + down * top;
-                corner + right.max(&0) * width + down.max(&0) * height >= 0
-            })
+        sides.iter().all(|[right, down, start]| {
+            let corner = start + right * left + down * top;
+            corner + right.max(&0) * width + down.max(&0) * height >= 0
+        })
     }
 
     /// Adds its pixels in a tile to `mask`, and perhaps some more around them.
     #[inline(always)]
     pub(super) fn mark(&self, [left, top]: [i32; 2], mask: &mut PixelMask) {
-        if self.is_small {
+        if self.sides.is_none() {
             mask.add([left, top], &self.pixels);
             return;
         }
@@ -92,6 +85,16 @@ impl ScreenTriangle {
             }
         }
     }
+}
+
+/// The edge functions of a facet, whose corners are counter-clockwise on the screen.
+fn sides_of(facet: &Facet, vertices: &[LensVertex]) -> [[i64; 3]; 3] {
+    let [a, b, c] = facet.corners.map(|i| &vertices[i as usize]);
+    let side = |from: &LensVertex, to: &LensVertex| {
+        let (x, y) = (i64::from(to.y - from.y), i64::from(from.x - to.x));
+        [x, y, -(x * i64::from(from.x) + y * i64::from(from.y))]
+    };
+    [side(a, b), side(b, c), side(c, a)]
 }
 
 impl TriangleAssembly {
