@@ -92,6 +92,12 @@ impl PixelMask {
         Self(std::array::from_fn(|k| self.0[k] & !other.0[k]))
     }
 
+    /// Whether it has the pixel with this index in the tile.
+    #[inline(always)]
+    pub(super) fn contains(&self, pixel: usize) -> bool {
+        self.0[pixel / TILE % TILE] >> (pixel % TILE) & 1 != 0
+    }
+
     /// Adds the pixel with this index in the tile.
     #[inline(always)]
     pub(super) fn insert(&mut self, pixel: usize) {

@@ -108,6 +108,9 @@ impl OutlineFinder {
     /// The colour of a pixel with this share covered by a line.
     #[inline(always)]
     pub(super) fn with_ink(&self, pixel: usize, rgb: Rgb) -> Rgb {
+        if self.marks[pixel] == 0 {
+            return rgb;
+        }
         let share = self.marks[pixel].count_ones() as f32 / self.samples as f32;
         [0, 1, 2].map(|k| mix_values(rgb[k], self.ink[k], STRENGTH * share))
     }

@@ -118,6 +118,9 @@ impl<const G: usize> Layers<G> {
                 }
                 let first = cell << pattern.cell_bits;
                 if pattern.cell_bits == 0 {
+                    if !needed.contains(first) {
+                        return;
+                    }
                     return self.cover(view.assembly, drawn, first, (g, seen, new));
                 }
                 for pixel in first..first + (1 << pattern.cell_bits) {
@@ -241,8 +244,10 @@ impl<const G: usize> Layers<G> {
         batch: &mut ShadingBatch,
         pixels: &mut [Rgb],
     ) {
-        self.light(view, part.window, batch);
+        self.light(view, part, batch);
         let samples = self.samples;
+        // A vector may have samples of several pixels.
+        let is_shared = samples < LANES;
         part.for_each(|pixel, _, _| {
             if !self.touch(pixel) {
                 return;
@@ -253,7 +258,7 @@ impl<const G: usize> Layers<G> {
             for first in (0..samples).step_by(LANES) {
                 let sample = pixel * samples + first;
                 let seen = self.blended(sample / LANES * LANES, |sample| {
-                    let is_own = sample / samples == pixel;
+                    let is_own = !is_shared || sample / samples == pixel;
                     let behind = if is_own { self.behind[sample] } else { NONE };
                     let under = self.layers.len() + behind as usize;
                     let rgb = self.colours.get(under).copied().unwrap_or_default();
@@ -327,7 +332,8 @@ impl<const G: usize> Layers<G> {
     }
 
     /// Colours of all surfaces, with higher opacity for those seen edge-on.
-    fn light(&mut self, view: &RasterView, window: Window, batch: &mut ShadingBatch) {
+    fn light(&mut self, view: &RasterView, part: &TilePart, batch: &mut ShadingBatch) {
+        let window = part.window;
         let place = |pixel: u32| {
             let pixel = pixel as usize;
             let x = window.x[0] + (pixel % TILE) as i32;
@@ -337,7 +343,8 @@ impl<const G: usize> Layers<G> {
         self.colours.clear();
         self.colours.resize(count + self.under.len(), [0.0; 3]);
         // Each surface of a pixel is lit once, whatever number of samples shows it.
-        for (index, layer) in self.layers.iter_mut().enumerate() {
+        let drawn = self.layers.iter_mut().enumerate();
+        for (index, layer) in drawn.filter(|(_, l)| part.pixels.contains(l.pixel as usize)) {
             let (x, y) = place(layer.pixel);
             let colours = &mut self.colours;
             let directions = batch.add(view, layer.facet, x, y, 1.0, index, colours);

@@ -10,9 +10,6 @@ use crate::render::last_frame::Change;
 use crate::render::{Frame, MeshList};
 use std::ops::Range;
 
-/// With fewer triangles of still instances than this share of all, everything is done again.
-const LEAST_SHARE: f64 = 0.1;
-
 impl TriangleAssembly {
     /// Turns the lists of the last frame into those of `frame`, whose instances have changed so. Returns false, with lists
     /// that are of no use, if this cannot be done.
@@ -26,7 +23,7 @@ impl TriangleAssembly {
     ) -> bool {
         let before = std::mem::take(&mut self.places);
         self.list_instances(frame, solids);
-        if !self.keep_places(&before, &mut changes) || !self.is_worth_it(&changes) {
+        if !self.keep_places(&before, &mut changes) {
             return false;
         }
         let listed = |index: usize| solids.get(frame.instances[index].mesh);
@@ -85,15 +82,6 @@ impl TriangleAssembly {
             }
         }
         is_alike
-    }
-
-    fn is_worth_it(&self, changes: &[Change]) -> bool {
-        let sum = |places: &mut dyn Iterator<Item = &InstancePlace>| -> f64 {
-            places.map(|place| f64::from(place.triangles)).sum()
-        };
-        let still = self.places.iter().zip(changes);
-        let mut still = still.filter(|(_, c)| **c != Change::Moved).map(|(p, _)| p);
-        sum(&mut still) >= LEAST_SHARE * sum(&mut self.places.iter())
     }
 
     /// Takes the facets of moved instances out of the bins.
