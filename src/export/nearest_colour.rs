@@ -82,7 +82,9 @@ impl PalettePoints {
             let (dx, dy, dz) = (x[lane] - at[0], y[lane] - at[1], z[lane] - at[2]);
             squares[lane] = dx * dx + dy * dy + dz * dz;
         }
-        let least = squares.iter().fold(f32::MAX, |a, b| if *b < a { *b } else { a });
+        let least = squares
+            .iter()
+            .fold(f32::MAX, |a, b| if *b < a { *b } else { a });
         if least > nearest.0 {
             return;
         }

@@ -108,14 +108,24 @@ mod tests {
     fn changes_are_told_apart() {
         let mut last = LastFrame::default();
         let mut frame = Frame {
-            instances: vec![instance(0, 4), instance(1, 4), instance(2, 4), instance(7, 4)],
+            instances: vec![
+                instance(0, 4),
+                instance(1, 4),
+                instance(2, 4),
+                instance(7, 4),
+            ],
             ..Frame::default()
         };
         assert_eq!(last.replace(&frame, &camera(1.0), 7), None);
         frame.instances[1].triangles = 0..9;
         frame.instances[2].world_from_mesh.translation = -DVec3::ZERO;
         let changes = last.replace(&frame, &camera(1.0), 7).unwrap();
-        let expected = [Change::Still, Change::Grown(4), Change::Moved, Change::Moved];
+        let expected = [
+            Change::Still,
+            Change::Grown(4),
+            Change::Moved,
+            Change::Moved,
+        ];
         assert_eq!(changes, expected);
         frame.instances[1].triangles = 0..4;
         let changes = last.replace(&frame, &camera(1.0), 8).unwrap();

@@ -215,12 +215,8 @@ impl TriangleAssembly {
                 opacity: instance.opacity.clamp(0.0, 1.0) as f32,
             });
             // Surfaces are numbered through the frame: every smooth patch of every instance has its own.
-            let surface = edges::first_surface(
-                instance.outline,
-                instance.opacity,
-                self.creases,
-                surfaces,
-            );
+            let surface =
+                edges::first_surface(instance.outline, instance.opacity, self.creases, surfaces);
             let solid = solids.get(instance.mesh);
             let count = solid.map_or(0, |solid| solid.positions.len() as u32);
             self.places.push(InstancePlace {
@@ -399,8 +395,8 @@ fn on_screen<'a>(
 /// The faces of an instance that are drawn, if any.
 fn faces_drawn(instance: &Instance, solid: &StageMesh) -> Option<FacesDrawn> {
     // Part of a closed mesh is an open surface.
-    let whole = instance.triangles.start == 0
-        && instance.triangles.end as usize >= solid.triangles.len();
+    let whole =
+        instance.triangles.start == 0 && instance.triangles.end as usize >= solid.triangles.len();
     match instance.opacity {
         opacity if opacity >= 1.0 && solid.closed && whole => Some(FacesDrawn::Front),
         opacity if opacity > 0.0 => Some(FacesDrawn::Both),

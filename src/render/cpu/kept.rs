@@ -129,13 +129,16 @@ impl KeptTiles {
         let rows = shadow.texels.as_chunks::<TEXELS>().0;
         let before = self.texels.as_chunks::<TEXELS>().0;
         self.changed.clear();
-        self.changed.extend(rows.iter().zip(before).map(|(now, was)| {
-            if now == was {
-                return 0;
-            }
-            let pairs = now.iter().zip(was).enumerate();
-            pairs.fold(0, |bits, (k, (now, was))| bits | u128::from(now != was) << k)
-        }));
+        self.changed
+            .extend(rows.iter().zip(before).map(|(now, was)| {
+                if now == was {
+                    return 0;
+                }
+                let pairs = now.iter().zip(was).enumerate();
+                pairs.fold(0, |bits, (k, (now, was))| {
+                    bits | u128::from(now != was) << k
+                })
+            }));
         let mut below = 0;
         for row in self.changed.iter_mut().rev() {
             let own = *row | *row >> 1;

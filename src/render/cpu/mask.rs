@@ -37,7 +37,9 @@ impl PixelMask {
     #[inline]
     pub(super) fn meets(&self, corner: [i32; 2], pixels: &Window) -> bool {
         let (rows, columns) = bits_of(corner, pixels);
-        self.0[rows[0]..rows[1]].iter().any(|row| row & columns != 0)
+        self.0[rows[0]..rows[1]]
+            .iter()
+            .any(|row| row & columns != 0)
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -186,7 +188,13 @@ mod tests {
 
     fn pixels(mask: PixelMask) -> Vec<[i32; 2]> {
         let window = rectangle([30, 61], [-60, -29]);
-        let (mut all, part) = (Vec::new(), TilePart { window, pixels: mask });
+        let (mut all, part) = (
+            Vec::new(),
+            TilePart {
+                window,
+                pixels: mask,
+            },
+        );
         part.for_each(|pixel, x, y| {
             assert_eq!(pixel as i32, (y + 60) * 32 + x - 30);
             all.push([x, y]);
@@ -213,7 +221,10 @@ mod tests {
                 .collect();
             assert_eq!(pixels(mask), expected);
             assert_eq!(mask.is_empty(), expected.is_empty());
-            assert_eq!(PixelMask::ALL.meets(CORNER, &rectangle(x, y)), !mask.is_empty());
+            assert_eq!(
+                PixelMask::ALL.meets(CORNER, &rectangle(x, y)),
+                !mask.is_empty()
+            );
         }
     }
 

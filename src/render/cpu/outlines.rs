@@ -73,7 +73,10 @@ impl OutlineFinder {
         let samples = self.samples;
         pixels.for_runs(|first, count| {
             // Whole cells, which may have several pixels.
-            let [first, end] = [first * samples / lanes, ((first + count) * samples).div_ceil(lanes)];
+            let [first, end] = [
+                first * samples / lanes,
+                ((first + count) * samples).div_ceil(lanes),
+            ];
             let own = surfaces[first * lanes..end * lanes].chunks_exact_mut(lanes);
             let own = own.zip(depths[first * lanes..end * lanes].chunks_exact_mut(lanes));
             for ((surfaces, depths), cell) in own.zip(&cells[first..end]) {

@@ -184,7 +184,9 @@ impl<const G: usize> TileSamples<G> {
     }
 
     fn clear(&mut self, view: &RasterView, window: Window, needed: &PixelMask) {
-        let [first, end] = needed.rows().map(|row| (row * TILE) >> self.pattern.cell_bits);
+        let [first, end] = needed
+            .rows()
+            .map(|row| (row * TILE) >> self.pattern.cell_bits);
         self.cells[first..end].fill(PixelCell::BARE);
         if !view.below_ground {
             return;
@@ -239,15 +241,20 @@ impl<const G: usize> TileSamples<G> {
             let corners = view.assembly.corners(&facet.corners);
             let own = i32x4::splat(*number as i32);
             let cells = self.cells.as_mut_slice();
-            rasterise_block(corners, (&window, needed), &self.pattern, |cell, g, covered, new| {
-                let cell = &mut cells[cell];
-                let old = f32x4::from(cell.depth[g]);
-                // Depth test: nearness grows towards the viewer, and the earlier instance wins a tie.
-                let wins = new.simd_gt(old) & covered;
-                cell.depth[g] = wins.bitselect(new, old).to_array();
-                let mask = wins.to_bits().cast_signed();
-                cell.facet[g] = mask.bitselect(own, i32x4::from(cell.facet[g])).to_array();
-            });
+            rasterise_block(
+                corners,
+                (&window, needed),
+                &self.pattern,
+                |cell, g, covered, new| {
+                    let cell = &mut cells[cell];
+                    let old = f32x4::from(cell.depth[g]);
+                    // Depth test: nearness grows towards the viewer, and the earlier instance wins a tie.
+                    let wins = new.simd_gt(old) & covered;
+                    cell.depth[g] = wins.bitselect(new, old).to_array();
+                    let mask = wins.to_bits().cast_signed();
+                    cell.facet[g] = mask.bitselect(own, i32x4::from(cell.facet[g])).to_array();
+                },
+            );
         }
     }
 
@@ -266,12 +273,7 @@ impl<const G: usize> TileSamples<G> {
     }
 
     #[inline(never)]
-    fn light_samples<const S: usize>(
-        &mut self,
-        view: &RasterView,
-        part: &TilePart,
-        layers: bool,
-    ) {
+    fn light_samples<const S: usize>(&mut self, view: &RasterView, part: &TilePart, layers: bool) {
         let cells = self.cells.as_slice();
         let colour = self.colour.as_mut_slice();
         self.seen_backdrop = PixelMask::NONE;

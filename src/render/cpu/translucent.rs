@@ -110,26 +110,31 @@ impl<const G: usize> Layers<G> {
             let opacity = view.assembly.paints[facet.instance()].opacity;
             let corners = view.assembly.corners(&facet.corners);
             let drawn = (*number as i32, opacity);
-            rasterise_block(corners, (&window, needed), pattern, |cell, g, covered, new| {
-                // In front of all opaque surfaces.
-                let seen = new.simd_gt(f32x4::from(cells[cell].depth[g])) & covered;
-                if seen.to_bitmask() == 0 {
-                    return;
-                }
-                let first = cell << pattern.cell_bits;
-                if pattern.cell_bits == 0 {
-                    if !needed.contains(first) {
+            rasterise_block(
+                corners,
+                (&window, needed),
+                pattern,
+                |cell, g, covered, new| {
+                    // In front of all opaque surfaces.
+                    let seen = new.simd_gt(f32x4::from(cells[cell].depth[g])) & covered;
+                    if seen.to_bitmask() == 0 {
                         return;
                     }
-                    return self.cover(view.assembly, drawn, first, (g, seen, new));
-                }
-                for pixel in first..first + (1 << pattern.cell_bits) {
-                    let own = seen & pixel_lanes(pixel, pattern.samples);
-                    if own.to_bitmask() != 0 {
-                        self.cover(view.assembly, drawn, pixel, (g, own, new));
+                    let first = cell << pattern.cell_bits;
+                    if pattern.cell_bits == 0 {
+                        if !needed.contains(first) {
+                            return;
+                        }
+                        return self.cover(view.assembly, drawn, first, (g, seen, new));
                     }
-                }
-            });
+                    for pixel in first..first + (1 << pattern.cell_bits) {
+                        let own = seen & pixel_lanes(pixel, pattern.samples);
+                        if own.to_bitmask() != 0 {
+                            self.cover(view.assembly, drawn, pixel, (g, own, new));
+                        }
+                    }
+                },
+            );
         }
     }
 

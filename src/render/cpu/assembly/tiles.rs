@@ -74,7 +74,8 @@ impl ScreenTriangle {
         }
         for y in (top..top + TILE as i32).step_by(BLOCK as usize) {
             for x in (left..left + TILE as i32).step_by(BLOCK as usize) {
-                let part = |p: i32, [first, last]: [i32; 2]| [p.max(first), (p + BLOCK - 1).min(last)];
+                let part =
+                    |p: i32, [first, last]: [i32; 2]| [p.max(first), (p + BLOCK - 1).min(last)];
                 let block = Window {
                     x: part(x, self.pixels.x),
                     y: part(y, self.pixels.y),
