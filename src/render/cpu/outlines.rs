@@ -99,10 +99,15 @@ impl OutlineFinder {
         layers: &Layers<G>,
     ) {
         for pixel in (0..AREA).filter(|pixel| layers.touch(*pixel)) {
-            for sample in pixel * self.samples..(pixel + 1) * self.samples {
-                if let Some((facet, depth)) = layers.nearest(pixel, sample) {
-                    self.surface[sample] = assembly.surface(facet);
-                    self.depth[sample] = depth;
+            let first = pixel * self.samples;
+            // Vector by vector, of which a pixel may have several, or a part of one.
+            for sample in (first..first + self.samples).step_by(LANES) {
+                let (facets, depths) = layers.nearest(pixel, sample / LANES % G);
+                for k in sample..(sample + LANES).min(first + self.samples) {
+                    if facets[k % LANES] != NOTHING {
+                        self.surface[k] = assembly.surface(facets[k % LANES]);
+                        self.depth[k] = depths[k % LANES];
+                    }
                 }
             }
         }

@@ -70,21 +70,20 @@ impl<const G: usize> Layers<G> {
         self.latest[pixel] != NONE
     }
 
-    /// The nearest translucent facet at a sample and its nearness.
-    pub(super) fn nearest(&self, pixel: usize, sample: usize) -> Option<(i32, f32)> {
-        let (g, lane) = ((sample / LANES) % G, sample % LANES);
-        let mut found = None;
-        let mut nearest = UNCOVERED;
+    /// The nearest translucent facets at vector `g` of a pixel's cell and their nearness; [`NOTHING`] where there is none.
+    pub(super) fn nearest(&self, pixel: usize, g: usize) -> ([i32; LANES], [f32; LANES]) {
+        let (mut found, mut nearest) = (i32x4::splat(NOTHING), f32x4::splat(UNCOVERED));
         let mut at = self.latest[pixel];
         // Of equally near ones the last.
         while let Some(layer) = self.layers.get(at as usize) {
-            if layer.depth[g][lane] > nearest {
-                nearest = layer.depth[g][lane];
-                found = Some((layer.facets[g][lane], nearest));
-            }
+            let depth = f32x4::from(layer.depth[g]);
+            let is_nearer = depth.simd_gt(nearest);
+            nearest = is_nearer.bitselect(depth, nearest);
+            let mask = is_nearer.to_bits().cast_signed();
+            found = mask.bitselect(i32x4::from(layer.facets[g]), found);
             at = layer.before;
         }
-        found
+        (found.to_array(), nearest.to_array())
     }
 
     /// Finds the layers of a bin's translucent facets in front of the opaque samples of `cells`, as far as they are
