@@ -64,6 +64,12 @@ impl TexelPlace {
             share: [x as u8, y as u8],
         }
     }
+
+    /// Column and row of its texel to the upper left.
+    pub fn corner(&self) -> [usize; 2] {
+        let index = usize::from(self.index);
+        [index % SHADOW_SIZE as usize, index / SHADOW_SIZE as usize]
+    }
 }
 
 impl ContactShadow {

@@ -169,31 +169,73 @@ impl GroundView {
         w > 0.0 && u * u + v * v < w * w
     }
 
-    /// What the pixel with centre (x, y) shows; `None` where it sees no ground.
-    pub fn at(&self, x: f64, y: f64) -> Option<GroundPoint> {
-        let w = form_value(&self.w, x, y);
-        if w <= 0.0 {
-            return None;
-        }
-        let (u, v) = (form_value(&self.u, x, y) / w, form_value(&self.v, x, y) / w);
-        let share = u * u + v * v;
-        if share.is_nan() || share >= 1.0 {
-            return None;
-        }
-        let lines = if self.pitch > 0.0 {
-            let line = |form: &[f64; 3], value: f64| {
-                let step = |k: usize| ((form[k] - value * self.w[k]) / w).abs();
-                let footprint = (step(0) + step(1)) / self.pitch;
-                look::grid_line((value / self.pitch) as f32, footprint as f32)
-            };
-            look::larger_of(line(&self.u, u), line(&self.v, v))
-        } else {
-            0.0
+    /// What pixels of one row with centres at `x` show.
+    // One index for several arrays: what the compiler turns into vector code.
+    #[allow(clippy::needless_range_loop)]
+    #[inline(always)]
+    pub fn row<const N: usize>(&self, x: [f64; N], y: f64) -> GroundRow<N> {
+        let mut row = GroundRow {
+            seen: [false; N],
+            at: [[0.0; N]; 2],
+            fade: [0.0; N],
+            lines: [0.0; N],
         };
-        Some(GroundPoint {
-            at: [u as f32, v as f32],
-            fade: look::ground_fade(share as f32),
-            lines,
+        let (mut w, mut u, mut v) = ([0.0; N], [0.0; N], [0.0; N]);
+        for k in 0..N {
+            w[k] = form_value(&self.w, x[k], y);
+            u[k] = form_value(&self.u, x[k], y) / w[k];
+            v[k] = form_value(&self.v, x[k], y) / w[k];
+        }
+        for k in 0..N {
+            let share = u[k] * u[k] + v[k] * v[k];
+            // Not a number is not seen.
+            row.seen[k] = w[k] > 0.0 && share < 1.0;
+            row.at[0][k] = u[k] as f32;
+            row.at[1][k] = v[k] as f32;
+            row.fade[k] = look::ground_fade(share as f32);
+        }
+        if self.pitch > 0.0 {
+            let [across, along] = [self.lines(&self.u, u, w), self.lines(&self.v, v, w)];
+            row.lines = std::array::from_fn(|k| look::larger_of(across[k], along[k]));
+        }
+        row
+    }
+
+    /// Cover by the grid lines at whole multiples of one coordinate, whose form and values are given.
+    #[allow(clippy::needless_range_loop)]
+    #[inline(always)]
+    fn lines<const N: usize>(&self, form: &[f64; 3], value: [f64; N], w: [f64; N]) -> [f32; N] {
+        let mut lines = [0.0; N];
+        for k in 0..N {
+            let step = |i: usize| ((form[i] - value[k] * self.w[i]) / w[k]).abs();
+            let footprint = (step(0) + step(1)) / self.pitch;
+            lines[k] = look::grid_line((value[k] / self.pitch) as f32, footprint as f32);
+        }
+        lines
+    }
+}
+
+/// What pixels of one row show of the ground.
+#[derive(Clone, Copy, Debug)]
+pub struct GroundRow<const N: usize> {
+    /// Whether they see it; other values have a meaning only then, and are those of [`GroundPoint`].
+    pub seen: [bool; N],
+    /// See [`GroundPoint::at`].
+    pub at: [[f32; N]; 2],
+    /// See [`GroundPoint::fade`].
+    pub fade: [f32; N],
+    /// See [`GroundPoint::lines`].
+    pub lines: [f32; N],
+}
+
+impl<const N: usize> GroundRow<N> {
+    /// What pixel `k` of them shows.
+    #[inline(always)]
+    pub fn point(&self, k: usize) -> Option<GroundPoint> {
+        self.seen[k].then(|| GroundPoint {
+            at: [self.at[0][k], self.at[1][k]],
+            fade: self.fade[k],
+            lines: self.lines[k],
         })
     }
 }
@@ -231,7 +273,7 @@ mod tests {
             let axes = ground_axes(&ground);
             let mut seen = 0;
             for (x, y) in [(160.5, 200.5), (10.0, 239.0), (300.0, 150.0)] {
-                let Some(point) = plane.at(x, y) else {
+                let Some(point) = plane.row([x], y).point(0) else {
                     continue;
                 };
                 seen += 1;

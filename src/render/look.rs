@@ -210,13 +210,24 @@ pub fn ground_fade(radius_share_squared: f32) -> f32 {
     1.0 - t * t * (3.0 - 2.0 * t)
 }
 
+/// The greatest whole number that is not above `x`; without the library's function, so that many are computed at once.
+#[inline(always)]
+fn floor_value(x: f32) -> f32 {
+    // From here on the last bit of a number is worth 1 or more: the sum is rounded to a whole number.
+    const WHOLE: f32 = 8_388_608.0;
+    let size = x.abs();
+    let rounded = ((size + WHOLE) - WHOLE).copysign(x);
+    let floor = if rounded > x { rounded - 1.0 } else { rounded };
+    if size < WHOLE { floor } else { x }
+}
+
 /// How much of a pixel a family of parallel grid lines covers, 0..=1.
 ///
 /// `at` is the coordinate across the lines in units of the pitch (lines at the whole numbers) and
 /// `footprint` what a pixel spans in it, `|d at/dx| + |d at/dy|`.
 #[inline(always)]
 pub fn grid_line(at: f32, footprint: f32) -> f32 {
-    let off = at - (at + 0.5).floor();
+    let off = at - floor_value(at + 0.5);
     let distance = if off < 0.0 { -off } else { off };
     let cover = clamp_unit(GRID_HALF_WIDTH + 0.5 - distance / larger_of(footprint, 1e-12));
     cover * clamp_unit(2.0 - footprint * (2.0 / GRID_MAX_FOOTPRINT))

@@ -12,6 +12,7 @@ pub mod edges;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod ground;
+pub mod last_frame;
 pub mod look;
 pub mod matte;
 pub mod mutual_shade;

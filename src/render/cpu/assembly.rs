@@ -1,32 +1,50 @@
 //! From instances to the triangles that each tile has to draw: transform, cull, clip, sort into tiles.
 
+mod renewal;
+mod tiles;
+
 use super::clip::{ClipCorner, clip_triangle};
 use super::lens::{Lens, LensVertex, OUTSIDE};
+use super::mask::PixelMask;
 use super::samples::SamplePattern;
 use super::window::{Window, line_apron, pitch};
 use crate::render::colour::ToneCurve;
 use crate::render::edges::{self, BACKDROP};
+use crate::render::last_frame::LastFrame;
 use crate::render::look::Rgb;
-use crate::render::{Frame, Instance, MeshList, Stage, StageMesh};
+use crate::render::{Camera, Frame, Instance, MeshList, Stage, StageMesh};
 use std::ops::Range;
+pub(super) use tiles::TileBin;
 
 /// Set in [`Facet::instance`] when the back of the triangle is seen.
 const BACK: u32 = 1 << 31;
 
 /// A visible triangle, its corners counter-clockwise on the screen.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Facet {
     /// Indices into [`TriangleAssembly::vertices`].
     pub(super) corners: [u32; 3],
     instance: u32,
     /// The attributes that separate surfaces for lines.
     surface: u32,
+    /// First and last column and row of the pixels in which it can have a sample.
+    columns: [u16; 2],
+    rows: [u16; 2],
 }
 
 impl Facet {
     #[inline(always)]
     pub(super) fn instance(&self) -> usize {
         (self.instance & !BACK) as usize
+    }
+
+    /// The pixels in which it can have a sample.
+    #[inline(always)]
+    pub(super) fn pixels(&self) -> Window {
+        Window {
+            x: self.columns.map(i32::from),
+            y: self.rows.map(i32::from),
+        }
     }
 
     /// The sign of normals on the visible side.
@@ -44,11 +62,15 @@ pub(super) struct Paint {
     pub(super) opacity: f32,
 }
 
-/// Facets of one tile, as indices into [`TriangleAssembly::facets`].
-#[derive(Clone, Debug, Default)]
-pub(super) struct TileBin {
-    pub(super) opaque: Vec<u32>,
-    pub(super) translucent: Vec<u32>,
+/// Where an instance is in the lists of a frame.
+#[derive(Clone, Debug, PartialEq)]
+struct InstancePlace {
+    vertices: Range<u32>,
+    /// Its first surface, and the step from patch to patch.
+    surface: [u32; 2],
+    /// Triangles of its mesh: there is room for as many facets.
+    triangles: u32,
+    facets: Range<u32>,
 }
 
 /// Everything of one frame between the scene and its tiles. Kept between frames for its memory.
@@ -67,13 +89,19 @@ pub(super) struct TriangleAssembly {
     reach: [i32; 2],
     /// Size of a tile in pixels, and the width of the apron that its lines depend on.
     pitch: i32,
-    apron: i32,
+    pub(super) apron: i32,
     /// Whether lines are drawn at creases, too.
     creases: bool,
-    first_vertex: Vec<u32>,
-    /// The first surface of each instance, and the step from patch to patch.
-    first_surface: Vec<[u32; 2]>,
-    surfaces: u32,
+    places: Vec<InstancePlace>,
+    /// Where the next facet is stored.
+    next: usize,
+    /// Whether still instances are as they were in the frame before.
+    is_renewed: bool,
+    /// Whether any triangle was clipped, whose facets have vertices of their own.
+    is_clipped: bool,
+    last: LastFrame,
+    /// Number of the stage's meshes.
+    of_stage: usize,
 }
 
 /// The faces of an instance that a sweep processes.
@@ -93,6 +121,7 @@ impl TriangleAssembly {
             creases: stage.edges.is_some_and(|edges| edges.creases),
             columns: size[0].div_ceil(pitch) as usize,
             size: size.map(|n| n as i32),
+            of_stage: stage.meshes.len(),
             ..Self::default()
         }
     }
@@ -107,30 +136,6 @@ impl TriangleAssembly {
         ]
     }
 
-    /// The pixels of a tile, counted from the first that is drawn on.
-    pub(super) fn window(&self, tile: usize) -> Window {
-        let [column, row] = [tile % self.columns, tile / self.columns].map(|k| k as i32);
-        let range = |k: i32, size: i32| [k * self.pitch, ((k + 1) * self.pitch).min(size) - 1];
-        Window {
-            x: range(column, self.size[0]),
-            y: range(row + self.tile_rows[0], self.size[1]),
-        }
-    }
-
-    /// The pixels of a tile and those around it that its lines depend on.
-    pub(super) fn with_apron(&self, inner: Window) -> Window {
-        let grown = |[first, last]: [i32; 2], size: i32| {
-            [
-                (first - self.apron).max(0),
-                (last + self.apron).min(size - 1),
-            ]
-        };
-        Window {
-            x: grown(inner.x, self.size[0]),
-            y: grown(inner.y, self.size[1]),
-        }
-    }
-
     /// The surface of a facet, or the background.
     #[inline(always)]
     pub(super) fn surface(&self, facet: i32) -> u32 {
@@ -138,20 +143,26 @@ impl TriangleAssembly {
         facet.map_or(BACKDROP, |facet| facet.surface)
     }
 
-    /// Selects the tiles that show any of the rows, of which there is at least one.
-    pub(super) fn select_rows(&mut self, rows: &Range<usize>) {
-        let [first, last] = [rows.start, rows.end - 1].map(|y| y as i32 / self.pitch);
-        self.tile_rows = [first, last];
-        self.reach = [
-            (first * self.pitch - self.apron).max(0),
-            ((last + 1) * self.pitch - 1 + self.apron).min(self.size[1] - 1),
-        ];
-        let count = (last - first + 1) as usize * self.columns;
-        self.bins.resize(count, TileBin::default());
-    }
-
     /// Fills the bins with a frame's facets. Instances of meshes that do not exist are left out.
     pub(super) fn assemble<const G: usize>(
+        &mut self,
+        frame: &Frame,
+        solids: MeshList,
+        (camera, lens): (&Camera, &Lens),
+        pattern: &SamplePattern<G>,
+    ) {
+        let changes = self.last.replace(frame, camera, self.of_stage);
+        let changes = changes.filter(|_| !self.is_clipped);
+        self.is_renewed = true;
+        let is_renewed =
+            changes.is_some_and(|changes| self.renew(frame, solids, lens, pattern, changes));
+        if !is_renewed {
+            self.is_renewed = false;
+            self.assemble_all(frame, solids, lens, pattern);
+        }
+    }
+
+    fn assemble_all<const G: usize>(
         &mut self,
         frame: &Frame,
         solids: MeshList,
@@ -159,73 +170,67 @@ impl TriangleAssembly {
         pattern: &SamplePattern<G>,
     ) {
         self.clear();
+        self.list_instances(frame, solids);
         for (index, instance) in frame.instances.iter().enumerate() {
-            self.place(index, instance, solids.get(instance.mesh), lens);
+            if let Some(solid) = solids.get(instance.mesh) {
+                self.vertices
+                    .extend(on_screen(index, instance, solid, lens));
+            }
         }
         for (index, instance) in frame.instances.iter().enumerate() {
-            let Some(solid) = solids.get(instance.mesh) else {
-                continue;
-            };
-            if instance.opacity >= 1.0 {
-                // Part of a closed mesh is an open surface.
-                let whole = instance.triangles.start == 0
-                    && instance.triangles.end as usize >= solid.triangles.len();
-                let faces = if solid.closed && whole {
-                    FacesDrawn::Front
-                } else {
-                    FacesDrawn::Both
-                };
-                self.sweep_shape(index, instance, solid, lens, pattern, faces);
-            } else if instance.opacity > 0.0 {
-                self.sweep_shape(index, instance, solid, lens, pattern, FacesDrawn::Both);
+            let first = self.facets.len();
+            self.next = first;
+            if let Some(solid) = solids.get(instance.mesh) {
+                self.sweep_shape(index, instance, solid, lens, pattern, 0);
             }
+            let place = &mut self.places[index];
+            place.facets = first as u32..self.next as u32;
+            // Room for all its facets, should it turn.
+            let room = first + place.triangles as usize;
+            self.facets.resize(room.max(self.next), Facet::default());
         }
     }
 
     fn clear(&mut self) {
         self.vertices.clear();
         self.facets.clear();
-        self.paints.clear();
-        self.first_vertex.clear();
-        self.first_surface.clear();
-        self.surfaces = 0;
+        self.is_clipped = false;
         for bin in &mut self.bins {
             bin.opaque.clear();
             bin.translucent.clear();
+            bin.changed = PixelMask::ALL;
         }
     }
 
-    /// Puts an instance's vertices on the screen.
-    fn place(&mut self, index: usize, instance: &Instance, solid: Option<&StageMesh>, lens: &Lens) {
+    /// Lists the paints of all instances, and what they need of the other lists.
+    fn list_instances(&mut self, frame: &Frame, solids: MeshList) {
         let curve = ToneCurve::shared();
-        self.first_vertex.push(self.vertices.len() as u32);
-        self.paints.push(Paint {
-            albedo: curve.decode_rgb(instance.colour),
-            flat: instance.flat.clamp(0.0, 1.0) as f32,
-            opacity: instance.opacity.clamp(0.0, 1.0) as f32,
-        });
-        // Surfaces are numbered through the frame: every smooth patch of every instance has its own.
-        let surface = edges::first_surface(
-            instance.outline,
-            instance.opacity,
-            self.creases,
-            self.surfaces,
-        );
-        self.first_surface.push(surface);
-        let Some(solid) = solid else { return };
-        self.surfaces += solid.patch_count;
-        // Vertices to camera space and onto the sample grid, once for all triangles.
-        let [x, y, z] = lens.eye.camera_from_mesh((instance, solid.origin), index);
-        let row = |r: [f32; 4], p: [f32; 3]| r[0] * p[0] + r[1] * p[1] + r[2] * p[2];
-        let points = solid.positions.iter().zip(&solid.normals);
-        self.vertices.extend(points.map(|(p, n)| {
-            lens.project(
-                [row(x, *p) + x[3], row(y, *p) + y[3], row(z, *p) + z[3]],
-                [row(x, *n), row(y, *n), row(z, *n)],
-            )
-        }));
+        self.paints.clear();
+        self.places.clear();
+        let (mut vertex, mut surfaces) = (0, 0);
+        for instance in &frame.instances {
+            self.paints.push(Paint {
+                albedo: curve.decode_rgb(instance.colour),
+                flat: instance.flat.clamp(0.0, 1.0) as f32,
+                opacity: instance.opacity.clamp(0.0, 1.0) as f32,
+            });
+            // Surfaces are numbered through the frame: every smooth patch of every instance has its own.
+            let surface =
+                edges::first_surface(instance.outline, instance.opacity, self.creases, surfaces);
+            let solid = solids.get(instance.mesh);
+            let count = solid.map_or(0, |solid| solid.positions.len() as u32);
+            self.places.push(InstancePlace {
+                vertices: vertex..vertex + count,
+                surface,
+                triangles: solid.map_or(0, |solid| solid.triangles.len() as u32),
+                facets: 0..0,
+            });
+            vertex += count;
+            surfaces += solid.map_or(0, |solid| solid.patch_count);
+        }
     }
 
+    /// Adds the facets of an instance, of its triangles from `from` on.
     fn sweep_shape<const G: usize>(
         &mut self,
         index: usize,
@@ -233,12 +238,15 @@ impl TriangleAssembly {
         solid: &StageMesh,
         lens: &Lens,
         pattern: &SamplePattern<G>,
-        faces: FacesDrawn,
+        from: u32,
     ) {
-        let base = self.first_vertex[index];
+        let Some(faces) = faces_drawn(instance, solid) else {
+            return;
+        };
+        let base = self.places[index].vertices.start;
         let count = solid.triangles.len();
         // An instance may draw a range of the triangles of its mesh.
-        let start = (instance.triangles.start as usize).min(count);
+        let start = (instance.triangles.start.max(from) as usize).min(count);
         let end = (instance.triangles.end as usize).clamp(start, count);
         for (offset, triangle) in solid.triangles[start..end].iter().enumerate() {
             let corners = [triangle[0] + base, triangle[1] + base, triangle[2] + base];
@@ -266,7 +274,7 @@ impl TriangleAssembly {
     /// The surface of the patch of an instance that a vertex belongs to.
     #[inline(always)]
     fn surface_of(&self, index: usize, solid: &StageMesh, vertex: u32) -> u32 {
-        let [first, step] = self.first_surface[index];
+        let [first, step] = self.places[index].surface;
         first + step * solid.patches[vertex as usize]
     }
 
@@ -301,32 +309,25 @@ impl TriangleAssembly {
             return;
         }
         // A back side is stored with two corners exchanged, so that all facets run the same way.
-        let number = self.facets.len() as u32;
-        self.facets.push(Facet {
+        let number = self.store(Facet {
             corners: if front { [i, j, k] } else { [i, k, j] },
             instance: index as u32 | if front { 0 } else { BACK },
             surface,
+            columns: [x0, x1].map(|x| x as u16),
+            rows: [y0, y1].map(|y| y as u16),
         });
-        // Into the bins of all tiles that it can reach, with the aprons that their lines depend on.
-        let opaque = self.paints[index].opacity >= 1.0;
-        let tiles = |first: i32, last: i32, size: i32| {
-            let first = (first - self.apron).max(0) / self.pitch;
-            let last = (last + self.apron).min(size - 1) / self.pitch;
-            [first, last]
-        };
-        let [left, right] = tiles(x0, x1, self.size[0]);
-        let [top, bottom] = tiles(y0, y1, self.size[1]);
-        let [first, last] = self.tile_rows;
-        for row in top.max(first)..=bottom.min(last) {
-            let start = (row - first) as usize * self.columns;
-            for bin in &mut self.bins[start + left as usize..=start + right as usize] {
-                if opaque {
-                    bin.opaque.push(number);
-                } else {
-                    bin.translucent.push(number);
-                }
-            }
+        self.add_to_tiles(number);
+    }
+
+    /// Stores a facet and returns its number.
+    #[inline(always)]
+    fn store(&mut self, facet: Facet) -> u32 {
+        match self.facets.get_mut(self.next) {
+            Some(place) => *place = facet,
+            None => self.facets.push(facet),
         }
+        self.next += 1;
+        self.next as u32 - 1
     }
 
     /// The part of a triangle that can be projected, as a fan of new vertices.
@@ -342,6 +343,7 @@ impl TriangleAssembly {
         faces: FacesDrawn,
         triangle: usize,
     ) {
+        self.is_clipped = true;
         let [x, y, z] = lens.eye.camera_from_mesh((instance, solid.origin), index);
         // The corners in camera space, clipped at the planes of the view.
         let row = |r: [f32; 4], p: [f32; 3]| r[0] * p[0] + r[1] * p[1] + r[2] * p[2];
@@ -368,5 +370,36 @@ impl TriangleAssembly {
                 self.facet(fan, places, (index, surface), pattern, faces);
             }
         }
+    }
+}
+
+/// The vertices of an instance on the screen.
+fn on_screen<'a>(
+    index: usize,
+    instance: &Instance,
+    solid: &'a StageMesh,
+    lens: &'a Lens,
+) -> impl Iterator<Item = LensVertex> + use<'a> {
+    // Vertices to camera space and onto the sample grid, once for all triangles.
+    let [x, y, z] = lens.eye.camera_from_mesh((instance, solid.origin), index);
+    let row = |r: [f32; 4], p: [f32; 3]| r[0] * p[0] + r[1] * p[1] + r[2] * p[2];
+    let points = solid.positions.iter().zip(&solid.normals);
+    points.map(move |(p, n)| {
+        lens.project(
+            [row(x, *p) + x[3], row(y, *p) + y[3], row(z, *p) + z[3]],
+            [row(x, *n), row(y, *n), row(z, *n)],
+        )
+    })
+}
+
+/// The faces of an instance that are drawn, if any.
+fn faces_drawn(instance: &Instance, solid: &StageMesh) -> Option<FacesDrawn> {
+    // Part of a closed mesh is an open surface.
+    let whole =
+        instance.triangles.start == 0 && instance.triangles.end as usize >= solid.triangles.len();
+    match instance.opacity {
+        opacity if opacity >= 1.0 && solid.closed && whole => Some(FacesDrawn::Front),
+        opacity if opacity > 0.0 => Some(FacesDrawn::Both),
+        _ => None,
     }
 }

@@ -5,10 +5,13 @@
 use super::window::pitch;
 use crate::render::colour::ToneCurve;
 use crate::render::contact_shadow::{ContactShadow, TexelPlace};
-use crate::render::ground::GroundView;
+use crate::render::ground::{GroundRow, GroundView};
 use crate::render::look::{self, Rgb};
 use crate::render::{Camera, Stage};
 use std::ops::Range;
+
+/// Pixels of a row whose ground is computed at once.
+const LANES: usize = 8;
 
 /// The ground in one pixel.
 #[derive(Clone, Copy, Debug, Default)]
@@ -91,29 +94,43 @@ impl Backdrop {
         let first_tile = self.rows.start / pitch;
         let tile_rows = self.rows.end.div_ceil(pitch) - first_tile;
         self.reach.resize(columns * tile_rows, None);
+        let tile_of: Vec<usize> = (0..width).map(|x| x / pitch).collect();
+        // Many pixels are as bright as their neighbours.
+        let mut known = (1.0, self.bare);
         for y in self.rows.clone() {
             let start = (y - self.rows.start) * width;
-            for x in 0..width {
-                // The point of the ground behind the middle of the pixel, if there is one.
-                let Some(point) = view.at(x as f64 + 0.5, y as f64 + 0.5) else {
-                    continue;
-                };
-                let factor = look::ground_factor(point.fade, point.lines, 0.0, shade);
-                let [u, v] = point.at;
-                self.spots[start + x] = ShadowSpot {
-                    factor,
-                    shadow: point.fade * look::SHADOW_DARKNESS,
-                    place: TexelPlace::new(u, v),
-                };
-                let code = self.background.map(|c| curve.encode(c * factor));
-                self.codes[start + x] = [code[0], code[1], code[2], 255];
-                // The rectangle of shadow coordinates that each tile sees, for skipping tiles without shadow.
-                let reach = &mut self.reach[(y / pitch - first_tile) * columns + x / pitch];
-                let [low, high] = reach.unwrap_or([point.at, point.at]);
-                *reach = Some([
-                    [low[0].min(u), low[1].min(v)],
-                    [high[0].max(u), high[1].max(v)],
-                ]);
+            let tiles = (y / pitch - first_tile) * columns;
+            for first in (0..width).step_by(LANES) {
+                let row = view.row(
+                    std::array::from_fn(|k| (first + k) as f64 + 0.5),
+                    y as f64 + 0.5,
+                );
+                let factors = look_of(&row, shade);
+                for x in first..(first + LANES).min(width) {
+                    // The point of the ground behind the middle of the pixel, if there is one.
+                    let Some(point) = row.point(x - first) else {
+                        continue;
+                    };
+                    let factor = factors[x - first];
+                    if factor != known.0 {
+                        let [r, g, b] = self.background.map(|c| curve.encode(c * factor));
+                        known = (factor, [r, g, b, 255]);
+                    }
+                    let [u, v] = point.at;
+                    self.spots[start + x] = ShadowSpot {
+                        factor,
+                        shadow: point.fade * look::SHADOW_DARKNESS,
+                        place: TexelPlace::new(u, v),
+                    };
+                    self.codes[start + x] = known.1;
+                    // The rectangle of shadow coordinates that each tile sees, for skipping tiles without shadow.
+                    let reach = &mut self.reach[tiles + tile_of[x]];
+                    let [low, high] = reach.unwrap_or([point.at, point.at]);
+                    *reach = Some([
+                        [look::smaller_of(low[0], u), look::smaller_of(low[1], v)],
+                        [look::larger_of(high[0], u), look::larger_of(high[1], v)],
+                    ]);
+                }
             }
         }
     }
@@ -128,6 +145,21 @@ impl Backdrop {
             return false;
         };
         (0..2).all(|k| low[k] <= greatest[k] && high[k] >= least[k])
+    }
+
+    /// Columns and rows of the shadow's texels, first and last, that the ground in a tile depends on. Tiles are counted
+    /// from the first that is held on.
+    pub(super) fn texels(&self, tile: usize) -> Option<[[usize; 2]; 2]> {
+        let [low, high] = self.reach.get(tile).copied().flatten()?;
+        let corner = |[u, v]: [f32; 2]| TexelPlace::new(u, v).corner();
+        Some([corner(low), corner(high).map(|c| c + 1)])
+    }
+
+    /// Column and row of the shadow's texel that a pixel of the ground depends on, with the next ones.
+    #[inline(always)]
+    pub(super) fn texel(&self, x: usize, y: usize) -> [usize; 2] {
+        let spot = self.spots.get(self.index(x, y)).copied();
+        spot.unwrap_or_default().place.corner()
     }
 
     /// Where a pixel of the rows that are held is stored.
@@ -153,4 +185,10 @@ impl Backdrop {
         let [r, g, b] = self.background;
         ([r * factor, g * factor, b * factor], darkness > 0.0)
     }
+}
+
+/// The factors on the background that pixels of a row show, without shadow.
+#[inline(always)]
+fn look_of(row: &GroundRow<LANES>, shade: [f32; 2]) -> [f32; LANES] {
+    std::array::from_fn(|k| look::ground_factor(row.fade[k], row.lines[k], 0.0, shade))
 }

@@ -3,6 +3,7 @@
 //! As exact as for small triangles: the sign of an edge function is decided in 64 bits.
 
 use super::lens::LensVertex;
+use super::mask::PixelMask;
 use super::raster::{EdgeFunctions, EdgeSide, Plane, RasterCells, Visit, scan_triangle};
 use super::samples::{LANES, SUBPIXEL_BITS, SUBPIXELS, SamplePattern};
 use super::window::{TILE, Window};
@@ -12,6 +13,8 @@ use wide::{f32x4, i32x4};
 const LEAST_BLOCK: i32 = 8;
 /// An edge whose steps add up to less than this over a block that it crosses stays below 2^31 there.
 const BLOCK_REACH: i64 = 1 << 31;
+/// Rows whose ranges are computed at once.
+const ROWS: usize = LANES;
 /// Guard in cells around a computed range, against the rounding of f32.
 const RANGE_GUARD: f32 = 0.01;
 
@@ -19,7 +22,7 @@ const RANGE_GUARD: f32 = 0.01;
 /// tested.
 pub(super) fn by_blocks<const G: usize>(
     corners: [&LensVertex; 3],
-    window: &Window,
+    (window, needed): (&Window, &PixelMask),
     area: &Window,
     pattern: &SamplePattern<G>,
     mut visit: impl Visit,
@@ -42,6 +45,8 @@ pub(super) fn by_blocks<const G: usize>(
     let double = sides[0].x * i64::from(c.x - a.x) + sides[0].y * i64::from(c.y - a.y);
     let slope = |s: &EdgeSide<i64>| [s.x as f32, s.y as f32];
     let plane = Plane::new(corners, slope(&sides[0]), slope(&sides[2]), double as f32);
+    let offsets = plane.offsets(pattern);
+    let lanes = (pattern, &offsets);
     let steepest = sides
         .iter()
         .map(|s| s.x.abs() + s.y.abs())
@@ -67,7 +72,8 @@ pub(super) fn by_blocks<const G: usize>(
                 ..s
             });
             let cells = RasterCells::new(&part, window, pattern);
-            in_block(&moved, span, &cells, &plane, corner, pattern, &mut visit);
+            let cells = (&cells, needed);
+            in_block(&moved, span, cells, &plane, corner, lanes, &mut visit);
         }
     }
 }
@@ -76,12 +82,13 @@ pub(super) fn by_blocks<const G: usize>(
 fn in_block<const G: usize>(
     sides: &[EdgeSide<i64>; 3],
     span: i64,
-    cells: &RasterCells,
+    (cells, needed): (&RasterCells, &PixelMask),
     plane: &Plane,
     corner: [i32; 2],
-    pattern: &SamplePattern<G>,
+    lanes: (&SamplePattern<G>, &[f32x4; G]),
     visit: &mut impl Visit,
 ) {
+    let (pattern, _) = lanes;
     let mut crossing = [EdgeSide {
         x: 0,
         y: 0,
@@ -96,7 +103,7 @@ fn in_block<const G: usize>(
             continue;
         }
         if (side.x.abs() + side.y.abs()) * span >= BLOCK_REACH {
-            in_vast_block(sides, cells, plane, corner, pattern, visit);
+            in_vast_block(sides, cells, plane, corner, lanes, visit);
             return;
         }
         *own = EdgeSide {
@@ -112,45 +119,81 @@ fn in_block<const G: usize>(
     });
     let highest = offsets.map(|o| o.as_flattened().iter().copied().max().unwrap_or(0));
     let step = crossing.map(|side| side.x * (SUBPIXELS << pattern.cell_bits));
-    let inverse = step.map(|step| 1.0 / step as f32);
-    for row in cells.y[0]..=cells.y[1] {
-        let down = (row - cells.y[0]) * SUBPIXELS;
-        let start = crossing.map(|side| side.start.saturating_add(side.y * down));
-        let mut range = [0.0, (cells.x[1] - cells.x[0]) as f32];
-        for k in 0..3 {
-            let most = i64::from(start[k]) + i64::from(highest[k]);
-            let zero = -(most as f32) * inverse[k];
-            if step[k] > 0 {
-                range[0] = (zero - RANGE_GUARD).max(range[0]);
-            } else if step[k] < 0 {
-                range[1] = (zero + RANGE_GUARD).min(range[1]);
-            } else if most < 0 {
-                range[1] = -2.0;
+    let rows = CellRows {
+        sides: &crossing,
+        highest,
+        step,
+        last: (cells.x[1] - cells.x[0]) as f32,
+    };
+    for first in (cells.y[0]..=cells.y[1]).step_by(ROWS) {
+        let ranges = rows.ranges((first - cells.y[0]) * SUBPIXELS);
+        for (row, [from, to]) in (first..=cells.y[1]).zip(ranges) {
+            let columns = [from, to].map(|k| (cells.x[0] + k) << pattern.cell_bits);
+            let end = columns[1] + (1 << pattern.cell_bits) - 1;
+            if from > to || !needed.has_any(row, [columns[0], end]) {
+                continue;
+            }
+            let down = (row - cells.y[0]) * SUBPIXELS;
+            let start = crossing.map(|side| side.start.saturating_add(side.y * down));
+            let edges = EdgeFunctions {
+                at: std::array::from_fn(|k| {
+                    let start = i32x4::splat(start[k].wrapping_add(step[k] * from));
+                    std::array::from_fn(|g| i32x4::from(offsets[k][g]) + start)
+                }),
+                step_x: step.map(i32x4::splat),
+                step_y: [i32x4::splat(0); 3],
+            };
+            let part = RasterCells {
+                x: [cells.x[0] + from, cells.x[0] + to],
+                y: [row, row],
+            };
+            let origin = [
+                corner[0] + (from << pattern.cell_bits),
+                corner[1] + row - cells.y[0],
+            ];
+            scan_triangle(edges, &part, plane, origin, lanes, visit);
+        }
+    }
+}
+
+/// Edge functions over the rows of a block that they cross; all are below 2^31 there.
+struct CellRows<'a> {
+    sides: &'a [EdgeSide<i32>; 3],
+    /// The greatest offset of a sample of a cell.
+    highest: [i32; 3],
+    /// From cell to cell.
+    step: [i32; 3],
+    /// The last column.
+    last: f32,
+}
+
+impl CellRows<'_> {
+    /// First and last cell that may be covered in each of the rows from `down` screen units on; the last is before the
+    /// first where there is none.
+    #[inline(always)]
+    fn ranges(&self, down: i32) -> [[i32; 2]; ROWS] {
+        let places = i32x4::from([0, 1, 2, 3]) * i32x4::splat(SUBPIXELS) + i32x4::splat(down);
+        let (mut low, mut high) = (f32x4::splat(0.0), f32x4::splat(self.last));
+        for (k, side) in self.sides.iter().enumerate() {
+            let most = i32x4::splat(side.start.wrapping_add(self.highest[k]));
+            let most = (most + i32x4::splat(side.y) * places).round_float();
+            let zero = -most * f32x4::splat(1.0 / self.step[k] as f32);
+            if self.step[k] > 0 {
+                low = (zero - f32x4::splat(RANGE_GUARD)).fast_max(low);
+            } else if self.step[k] < 0 {
+                high = (zero + f32x4::splat(RANGE_GUARD)).fast_min(high);
+            } else {
+                let outside = most.simd_lt(f32x4::splat(0.0));
+                high = outside.bitselect(f32x4::splat(-2.0), high);
             }
         }
         // Truncation adds at most one cell in front, which is found to be uncovered.
-        let (from, to) = (range[0] as i32, range[1] as i32);
-        if range[0] > range[1] {
-            continue;
-        }
-        let edges = EdgeFunctions {
-            at: std::array::from_fn(|k| {
-                std::array::from_fn(|g| {
-                    i32x4::from(offsets[k][g]) + i32x4::splat(start[k].wrapping_add(step[k] * from))
-                })
-            }),
-            step_x: step.map(i32x4::splat),
-            step_y: [i32x4::splat(0); 3],
-        };
-        let part = RasterCells {
-            x: [cells.x[0] + from, cells.x[0] + to],
-            y: [row, row],
-        };
-        let origin = [
-            corner[0] + (from << pattern.cell_bits),
-            corner[1] + row - cells.y[0],
-        ];
-        scan_triangle(edges, &part, plane, origin, pattern, visit);
+        let [from, to] = [low, high].map(|v| v.fast_trunc_int().to_array());
+        let is_empty = low.simd_gt(high).to_bitmask();
+        std::array::from_fn(|k| match is_empty >> k & 1 {
+            0 => [from[k], to[k]],
+            _ => [1, 0],
+        })
     }
 }
 
@@ -162,11 +205,10 @@ fn in_vast_block<const G: usize>(
     cells: &RasterCells,
     plane: &Plane,
     corner: [i32; 2],
-    pattern: &SamplePattern<G>,
+    (pattern, offsets): (&SamplePattern<G>, &[f32x4; G]),
     visit: &mut impl Visit,
 ) {
     let columns = TILE as i32 >> pattern.cell_bits;
-    let offsets = plane.offsets(pattern);
     // Every cell of the block is tested: this is rare.
     for row in cells.y[0]..=cells.y[1] {
         for column in cells.x[0]..=cells.x[1] {

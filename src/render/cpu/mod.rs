@@ -2,15 +2,17 @@
 //!
 //! A frame is drawn in three steps. TriangleAssembly transforms the vertices, removes invisible triangles and sorts the
 //! rest into tiles that fit the cache. Each tile then finds the nearest facet of every sample, lights each facet once
-//! per pixel, and encodes the mean of a pixel's samples. A renderer works on one thread; frames are distributed by
-//! giving each thread its own renderer.
+//! per pixel, and encodes the mean of a pixel's samples. Tiles in which nothing changed since the last frame keep their
+//! pixels. A renderer works on one thread; frames are distributed by giving each thread its own renderer.
 
 mod assembly;
 mod backdrop;
 mod blocks;
 mod cell;
 mod clip;
+mod kept;
 mod lens;
+mod mask;
 mod near_samples;
 mod outlines;
 mod raster;
@@ -29,10 +31,11 @@ use super::{Camera, Frame, MeshList, RenderError, Renderer, Stage, allow_drawing
 use assembly::TriangleAssembly;
 use backdrop::Backdrop;
 use image::RgbaImage;
+use kept::KeptTiles;
 use lens::Lens;
 use std::ops::Range;
 use std::sync::Arc;
-use tile::TileSamples;
+use tile::{TileSamples, fill_background};
 use view::RasterView;
 
 /// Longest side of a picture in pixels: screen coordinates keep 8 bits of fraction in 22 bits, and the guard band
@@ -55,6 +58,7 @@ pub struct CpuRenderer {
     backdrop: Backdrop,
     assembly: TriangleAssembly,
     tile: AnyTile,
+    kept: KeptTiles,
     caster: Option<ShadowCaster>,
     shade: Option<MutualShade>,
     /// The frame of reference of the lights.
@@ -113,6 +117,7 @@ impl CpuRenderer {
             backdrop,
             assembly: TriangleAssembly::new(&stage),
             tile,
+            kept: KeptTiles::default(),
             caster: ShadowCaster::new(&stage),
             shade: MutualShade::new(&stage),
             stage,
@@ -132,6 +137,7 @@ impl CpuRenderer {
         } else if rows == *self.backdrop.rows() {
             return;
         }
+        self.kept.forget();
         self.backdrop.see(&self.stage, &camera, rows);
     }
 
@@ -211,6 +217,7 @@ impl Renderer for CpuRenderer {
         let scene = DrawnScene {
             frame,
             solids: MeshList::new(&self.stage.meshes, &frame.meshes),
+            camera: &self.camera,
             lens: &self.lens,
             backdrop: &self.backdrop,
             shadow,
@@ -218,13 +225,13 @@ impl Renderer for CpuRenderer {
             around: self.around,
             below_ground,
         };
-        let assembly = &mut self.assembly;
+        let memory = (&mut self.assembly, &mut self.kept);
         match &mut self.tile {
-            AnyTile::One(tile) => scene.draw(assembly, tile, image),
+            AnyTile::One(tile) => scene.draw(memory, tile, image),
             #[cfg(feature = "fine-samples")]
-            AnyTile::Two(tile) => scene.draw(assembly, tile, image),
+            AnyTile::Two(tile) => scene.draw(memory, tile, image),
             #[cfg(feature = "fine-samples")]
-            AnyTile::Four(tile) => scene.draw(assembly, tile, image),
+            AnyTile::Four(tile) => scene.draw(memory, tile, image),
         }
         if frame.no_pose {
             colour::mark_no_pose(image, self.stage.background);
@@ -237,6 +244,7 @@ impl Renderer for CpuRenderer {
 struct DrawnScene<'a> {
     frame: &'a Frame,
     solids: MeshList<'a>,
+    camera: &'a Camera,
     lens: &'a Lens,
     backdrop: &'a Backdrop,
     shadow: Option<&'a ContactShadow>,
@@ -248,13 +256,14 @@ struct DrawnScene<'a> {
 impl DrawnScene<'_> {
     fn draw<const G: usize>(
         &self,
-        assembly: &mut TriangleAssembly,
+        (assembly, kept): (&mut TriangleAssembly, &mut KeptTiles),
         tile: &mut TileSamples<G>,
         image: &mut RgbaImage,
     ) {
         let rows = self.backdrop.rows();
         assembly.select_rows(rows);
-        assembly.assemble(self.frame, self.solids, self.lens, &tile.pattern);
+        let seen = (self.camera, self.lens);
+        assembly.assemble(self.frame, self.solids, seen, &tile.pattern);
         let view = RasterView {
             assembly,
             lens: self.lens,
@@ -265,15 +274,37 @@ impl DrawnScene<'_> {
             below_ground: self.below_ground,
         };
         let stride = image.width() as usize * 4;
-        let bytes: &mut [u8] = image;
-        let [first, last] = [rows.start, rows.end - 1].map(|y| y as i32);
-        // Tiles one after the other, each with an apron for the lines; those at the ends of a strip in part.
-        for number in 0..view.assembly.bins.len() {
-            let mut inner = view.assembly.window(number);
-            inner.y = [inner.y[0].max(first), inner.y[1].min(last)];
-            let own = &mut bytes[(inner.y[0] - first) as usize * stride..];
-            tile.draw(&view, number, inner, own, stride);
+        let image: &mut [u8] = image;
+        let count = rows.len() * stride;
+        match kept.start(&view, count) {
+            None => draw_tiles(&view, kept, tile, (image, stride)),
+            Some(mut bytes) => {
+                draw_tiles(&view, kept, tile, (&mut bytes, stride));
+                image[..count].copy_from_slice(&bytes);
+                kept.keep(bytes);
+            }
         }
+    }
+}
+
+/// Draws what is not as it was, tile by tile, each with an apron for the lines; those at the ends of a strip in part.
+fn draw_tiles<const G: usize>(
+    view: &RasterView,
+    kept: &mut KeptTiles,
+    tile: &mut TileSamples<G>,
+    (bytes, stride): (&mut [u8], usize),
+) {
+    let rows = view.backdrop.rows();
+    let [first, last] = [rows.start, rows.end - 1].map(|y| y as i32);
+    for number in 0..view.assembly.bins.len() {
+        let mut inner = view.assembly.window(number);
+        inner.y = [inner.y[0].max(first), inner.y[1].min(last)];
+        let [changed, shaded] = kept.changed(view, number, &inner);
+        if !changed.pixels.is_empty() {
+            tile.draw(view, number, &changed, (bytes, first, stride));
+            kept.renew(number, &changed, tile.seen_backdrop, tile.bare);
+        }
+        fill_background(view, &shaded, (bytes, first, stride));
     }
 }
 

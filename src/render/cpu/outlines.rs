@@ -3,15 +3,17 @@
 use super::assembly::TriangleAssembly;
 use super::cell::{NOTHING, PixelCell};
 use super::lens::Lens;
+use super::mask::{PixelMask, TilePart};
 use super::near_samples::{NearPixel, near_pixels};
 use super::samples::{LANES, SamplePattern};
 use super::translucent::Layers;
 use super::view::RasterView;
-use super::window::{AREA, TILE, Window, for_inner, line_apron};
+use super::window::{AREA, TILE, Window, line_apron};
 use crate::render::Stage;
 use crate::render::colour::ToneCurve;
 use crate::render::edges::{BACKDROP, EdgeStyle, FIRST, JUMP, NO_LINES, STRENGTH, TRANSLUCENT};
 use crate::render::look::{Rgb, mix_values};
+use wide::{f32x4, u32x4};
 
 /// The samples of a pixel show several surfaces.
 const MIXED: u32 = 2;
@@ -58,25 +60,36 @@ impl OutlineFinder {
         })
     }
 
-    /// Reads the surfaces of the opaque samples of a tile.
+    /// Reads the surfaces of the opaque samples of these pixels of a tile.
     pub(super) fn read<const G: usize>(
         &mut self,
         assembly: &TriangleAssembly,
         cells: &[PixelCell<G>],
+        pixels: &PixelMask,
     ) {
         let mut known = (NOTHING, BACKDROP);
-        let own = self.surface.chunks_exact_mut(LANES * G);
-        let own = own.zip(self.depth.chunks_exact_mut(LANES * G));
-        for ((surfaces, depths), cell) in own.zip(cells) {
-            // Adjacent samples mostly show the same facet, whose surface is kept.
-            depths.copy_from_slice(cell.depth.as_flattened());
-            for (surface, facet) in surfaces.iter_mut().zip(cell.facet.as_flattened()) {
-                if *facet != known.0 {
-                    known = (*facet, assembly.surface(*facet));
+        let (surfaces, depths) = (&mut self.surface, &mut self.depth);
+        let lanes = LANES * G;
+        let samples = self.samples;
+        pixels.for_runs(|first, count| {
+            // Whole cells, which may have several pixels.
+            let [first, end] = [
+                first * samples / lanes,
+                ((first + count) * samples).div_ceil(lanes),
+            ];
+            let own = surfaces[first * lanes..end * lanes].chunks_exact_mut(lanes);
+            let own = own.zip(depths[first * lanes..end * lanes].chunks_exact_mut(lanes));
+            for ((surfaces, depths), cell) in own.zip(&cells[first..end]) {
+                depths.copy_from_slice(cell.depth.as_flattened());
+                // Adjacent samples mostly show the same facet, whose surface is kept.
+                for (surface, facet) in surfaces.iter_mut().zip(cell.facet.as_flattened()) {
+                    if *facet != known.0 {
+                        known = (*facet, assembly.surface(*facet));
+                    }
+                    *surface = known.1;
                 }
-                *surface = known.1;
             }
-        }
+        });
     }
 
     /// Reads the nearest surfaces of the translucent layers.
@@ -86,10 +99,15 @@ impl OutlineFinder {
         layers: &Layers<G>,
     ) {
         for pixel in (0..AREA).filter(|pixel| layers.touch(*pixel)) {
-            for sample in pixel * self.samples..(pixel + 1) * self.samples {
-                if let Some((facet, depth)) = layers.nearest(pixel, sample) {
-                    self.surface[sample] = assembly.surface(facet);
-                    self.depth[sample] = depth;
+            let first = pixel * self.samples;
+            // Vector by vector, of which a pixel may have several, or a part of one.
+            for sample in (first..first + self.samples).step_by(LANES) {
+                let (facets, depths) = layers.nearest(pixel, sample / LANES % G);
+                for k in sample..(sample + LANES).min(first + self.samples) {
+                    if facets[k % LANES] != NOTHING {
+                        self.surface[k] = assembly.surface(facets[k % LANES]);
+                        self.depth[k] = depths[k % LANES];
+                    }
                 }
             }
         }
@@ -98,36 +116,68 @@ impl OutlineFinder {
     /// The colour of a pixel with this share covered by a line.
     #[inline(always)]
     pub(super) fn with_ink(&self, pixel: usize, rgb: Rgb) -> Rgb {
+        if self.marks[pixel] == 0 {
+            return rgb;
+        }
         let share = self.marks[pixel].count_ones() as f32 / self.samples as f32;
         [0, 1, 2].map(|k| mix_values(rgb[k], self.ink[k], STRENGTH * share))
     }
 
-    /// Finds the samples of `inner` that are on a line; with `over` only lines with a translucent side.
-    pub(super) fn find(&mut self, lens: &Lens, window: Window, inner: Window, over: bool) {
+    /// Finds the samples of a part of a tile that are on a line; with `over` only lines with a translucent side.
+    pub(super) fn find(&mut self, lens: &Lens, part: &TilePart, over: bool) {
+        match self.samples {
+            4 => self.find_of::<4>(lens, part, over),
+            8 => self.find_of::<8>(lens, part, over),
+            16 => self.find_of::<16>(lens, part, over),
+            2 => self.find_of::<2>(lens, part, over),
+            _ => self.find_of::<1>(lens, part, over),
+        }
+    }
+
+    fn find_of<const S: usize>(&mut self, lens: &Lens, part: &TilePart, over: bool) {
         let least = if over { TRANSLUCENT } else { FIRST };
-        self.read_pixels(window);
-        let jump = JUMP * lens.pixel();
-        for y in inner.y[0]..=inner.y[1] {
-            let row = Window { y: [y; 2], ..inner };
+        let window = part.window;
+        self.read_pixels::<S>(window, part.pixels.grown(self.reach).rows());
+        let limit = DepthLimit {
+            jump: JUMP * lens.pixel(),
+            perspective: lens.perspective,
+        };
+        for row in (0..TILE).filter(|row| part.pixels.has_row(*row)) {
+            let y = window.y[0] + row as i32;
             // Rows without any drawn surface have no lines.
-            if self.is_bare(window, y, least) {
-                for_inner(window, row, |pixel, _, _| self.marks[pixel] = 0);
-                continue;
-            }
-            for_inner(window, row, |pixel, x, y| {
-                let at = (pixel, x, y);
-                let own = self.whole[pixel];
-                // Inside one surface only a step in depth can make a line; elsewhere borders do as well.
-                let calm = self.is_calm(window, pixel, y, own);
-                self.marks[pixel] = match own {
-                    _ if calm && own < least => 0,
-                    _ if calm => self.steps(lens, window, at, jump),
-                    _ => {
-                        self.border_samples(window, at, over)
-                            | self.jumps(lens, window, at, (jump, least))
-                    }
-                };
+            let is_bare = self.is_bare(window, y, least);
+            part.pixels.for_runs_of(row, |first, count| {
+                for pixel in first..first + count {
+                    let at = (pixel, window.x[0] + (pixel % TILE) as i32, y);
+                    self.marks[pixel] = if is_bare {
+                        0
+                    } else {
+                        self.line::<S>(window, at, &limit, least)
+                    };
+                }
             });
+        }
+    }
+
+    /// The samples of a pixel that are on a line.
+    #[inline(always)]
+    fn line<const S: usize>(
+        &self,
+        window: Window,
+        at: (usize, i32, i32),
+        limit: &DepthLimit,
+        least: u32,
+    ) -> u16 {
+        let own = self.whole[at.0];
+        // Inside one surface only a step in depth can make a line; elsewhere borders do as well.
+        let calm = self.is_calm(window, at.0, at.2, own);
+        match own {
+            _ if calm && own < least => 0,
+            _ if calm => self.steps::<S>(window, at, limit),
+            _ => {
+                self.border_samples::<S>(window, at, least == TRANSLUCENT)
+                    | self.jumps::<S>(window, at, limit, least)
+            }
         }
     }
 
@@ -139,21 +189,11 @@ impl OutlineFinder {
         rows[0] != MIXED && rows[0] < least && rows.iter().all(|row| *row == rows[0])
     }
 
-    fn read_pixels(&mut self, window: Window) {
-        match self.samples {
-            4 => self.read_pixels_of::<4>(window),
-            8 => self.read_pixels_of::<8>(window),
-            16 => self.read_pixels_of::<16>(window),
-            2 => self.read_pixels_of::<2>(window),
-            _ => self.read_pixels_of::<1>(window),
-        }
-    }
-
-    fn read_pixels_of<const S: usize>(&mut self, window: Window) {
+    fn read_pixels<const S: usize>(&mut self, window: Window, rows: [usize; 2]) {
         let columns = (window.x[1] - window.x[0] + 1) as usize;
         let reach = self.reach as usize;
         let (samples, _) = self.surface.as_chunks::<S>();
-        for row in 0..(window.y[1] - window.y[0] + 1) as usize {
+        for row in (rows[0]..rows[1]).take((window.y[1] - window.y[0] + 1) as usize - rows[0]) {
             let pixels = row * TILE..row * TILE + columns;
             let whole = &mut self.whole[pixels.clone()];
             for (whole, own) in whole.iter_mut().zip(&samples[pixels.clone()]) {
@@ -195,18 +235,29 @@ impl OutlineFinder {
     }
 
     /// Samples near to another surface.
-    fn border_samples(&self, window: Window, (pixel, x, y): (usize, i32, i32), over: bool) -> u16 {
-        let of = |pixel: usize| &self.surface[pixel * self.samples..][..self.samples];
-        let own = of(pixel);
+    fn border_samples<const S: usize>(
+        &self,
+        window: Window,
+        (pixel, x, y): (usize, i32, i32),
+        over: bool,
+    ) -> u16 {
+        let (surfaces, _) = self.surface.as_chunks::<S>();
+        let own = &surfaces[pixel];
+        // Samples that may have a line, and those that have one over an opaque surface.
+        let drawn = !equal_bits(own, NO_LINES);
+        let is_translucent = |(s, own): (usize, &u32)| u16::from(*own >= TRANSLUCENT) << s;
+        let above = match over {
+            true => drawn & own.iter().enumerate().map(is_translucent).sum::<u16>(),
+            false => drawn,
+        };
         // The samples of this pixel that have a line towards another surface.
         let lined = |other: u32| {
-            let bits = own.iter().enumerate().map(|(s, own)| {
-                let is_over = other.max(*own) >= TRANSLUCENT;
-                let is_lined = other != *own && *own != NO_LINES && (!over || is_over);
-                u16::from(is_lined) << s
-            });
-            let bits = bits.fold(0, |all, bit| all | bit);
-            if other == NO_LINES { 0 } else { bits }
+            let own = match other {
+                NO_LINES => 0,
+                TRANSLUCENT.. => drawn & !equal_bits(own, other),
+                _ => above & !equal_bits(own, other),
+            };
+            (other, own)
         };
         let (mut marks, mut known) = (0, (NO_LINES, 0));
         for near in &self.near {
@@ -219,13 +270,13 @@ impl OutlineFinder {
             let there = (pixel as i32 + near.away[1] * TILE as i32 + near.away[0]) as usize;
             let mut add = |surface: u32, reached: u16| {
                 if surface != known.0 {
-                    known = (surface, lined(surface));
+                    known = lined(surface);
                 }
                 marks |= known.1 & reached;
             };
             match self.whole[there] {
                 MIXED => {
-                    let others = of(there).iter().zip(&near.reached);
+                    let others = surfaces[there].iter().zip(&near.reached);
                     others.for_each(|(surface, reached)| add(*surface, *reached));
                 }
                 surface => add(surface, near.by_any),
@@ -236,29 +287,11 @@ impl OutlineFinder {
 
     /// The result of [`Self::jumps`] in a pixel that is surrounded by one surface.
     #[inline(always)]
-    fn steps(
+    fn steps<const S: usize>(
         &self,
-        lens: &Lens,
         window: Window,
         (pixel, x, y): (usize, i32, i32),
-        jump: f32,
-    ) -> u16 {
-        match self.samples {
-            4 => self.steps_of::<4>(lens, window, (pixel, x, y), jump),
-            8 => self.steps_of::<8>(lens, window, (pixel, x, y), jump),
-            16 => self.steps_of::<16>(lens, window, (pixel, x, y), jump),
-            2 => self.steps_of::<2>(lens, window, (pixel, x, y), jump),
-            _ => self.steps_of::<1>(lens, window, (pixel, x, y), jump),
-        }
-    }
-
-    #[inline(always)]
-    fn steps_of<const S: usize>(
-        &self,
-        lens: &Lens,
-        window: Window,
-        (pixel, x, y): (usize, i32, i32),
-        jump: f32,
+        limit: &DepthLimit,
     ) -> u16 {
         let step = self.reach;
         let (depths, _) = self.depth.as_chunks::<S>();
@@ -267,79 +300,75 @@ impl OutlineFinder {
             let (before, after) = (&depths[pixel - away], &depths[pixel + away]);
             let mut least = [0.0f32; S];
             for s in 0..S {
-                let limit = if lens.perspective {
-                    jump * own[s]
-                } else {
-                    jump
-                };
                 // Second difference of the depth across the sample, against the limit of a smooth surface: negative
                 // at a step.
-                least[s] = before[s] + after[s] - 2.0 * own[s] + limit;
+                least[s] = before[s] + after[s] - 2.0 * own[s] + limit.at(own[s]);
             }
-            least
+            below_zero(&least)
         };
         let mut marks = 0;
-        let mut add = |bends: [f32; S]| {
-            if bends.iter().any(|bend| *bend < 0.0) {
-                for (s, bend) in bends.iter().enumerate() {
-                    marks |= u16::from(*bend < 0.0) << s;
-                }
-            }
-        };
         // Across and along the picture, where the neighbours lie in the window.
         if x - step >= window.x[0] && x + step <= window.x[1] {
-            add(bends(step as usize));
+            marks |= bends(step as usize);
         }
         if y - step >= window.y[0] && y + step <= window.y[1] {
-            add(bends(step as usize * TILE));
+            marks |= bends(step as usize * TILE);
         }
         marks
     }
 
     /// Samples at which their own surface jumps back in depth: the part of the nearness that is not affine over the
     /// screen.
-    fn jumps(
+    #[inline(always)]
+    fn jumps<const S: usize>(
         &self,
-        lens: &Lens,
         window: Window,
         (pixel, x, y): (usize, i32, i32),
-        (jump, least): (f32, u32),
+        limit: &DepthLimit,
+        least: u32,
     ) -> u16 {
         let step = self.reach;
-        let across = x - step >= window.x[0] && x + step <= window.x[1];
-        let along = y - step >= window.y[0] && y + step <= window.y[1];
-        let mut marks = 0;
-        for s in 0..self.samples {
-            let sample = pixel * self.samples + s;
-            let (own, depth) = (self.surface[sample], self.depth[sample]);
-            if own < least {
-                continue;
+        let (depths, _) = self.depth.as_chunks::<S>();
+        let (surfaces, _) = self.surface.as_chunks::<S>();
+        let own = &depths[pixel];
+        let falls = |away: usize| {
+            let (before, after) = (pixel - away, pixel + away);
+            let mut below = [0.0f32; S];
+            for s in 0..S {
+                let bend = depths[before][s] + depths[after][s] - 2.0 * own[s];
+                // Negative at a sudden drop; equal numbers differ by zero.
+                below[s] = bend - -limit.at(own[s]);
             }
-            let limit = if lens.perspective { jump * depth } else { jump };
-            let falls = |possible: bool, pixels: usize| {
-                let away = pixels * self.samples;
-                possible && {
-                    let (before, after) = (sample - away, sample + away);
-                    // A sudden drop between neighbours that belong to the same surface.
-                    let bend = self.depth[before] + self.depth[after] - 2.0 * depth;
-                    bend < -limit && self.surface[before] == own && self.surface[after] == own
-                }
+            let falls = below_zero(&below);
+            if falls == 0 {
+                return 0;
+            }
+            // Only between neighbours that belong to the same surface.
+            let is_one = |s: &usize| {
+                let surface = surfaces[pixel][*s];
+                let same = surfaces[before][*s] == surface && surfaces[after][*s] == surface;
+                surface >= least && same
             };
-            let falls = falls(across, step as usize) || falls(along, step as usize * TILE);
-            marks |= u16::from(falls) << s;
+            (0..S).filter(is_one).fold(0, |all, s| all | falls & 1 << s)
+        };
+        let mut marks = 0;
+        if x - step >= window.x[0] && x + step <= window.x[1] {
+            marks |= falls(step as usize);
+        }
+        if y - step >= window.y[0] && y + step <= window.y[1] {
+            marks |= falls(step as usize * TILE);
         }
         marks
     }
 
-    /// Mixes the ink into the pixels of `inner`; `bare` marks a pixel whose colour is still the backdrop's.
+    /// Mixes the ink into the pixels of a part of a tile; `bare` marks a pixel whose colour is still the backdrop's.
     pub(super) fn ink(
         &self,
         view: &RasterView,
-        window: Window,
-        inner: Window,
+        part: &TilePart,
         (colours, bare): (&mut [Rgb], Rgb),
     ) {
-        for_inner(window, inner, |pixel, x, y| {
+        part.for_each(|pixel, x, y| {
             let marks = self.marks[pixel];
             if marks == 0 {
                 return;
@@ -352,4 +381,47 @@ impl OutlineFinder {
             *colour = self.with_ink(pixel, *colour);
         });
     }
+}
+
+/// From which step of its depth on a surface has a silhouette.
+struct DepthLimit {
+    jump: f32,
+    perspective: bool,
+}
+
+impl DepthLimit {
+    #[inline(always)]
+    fn at(&self, depth: f32) -> f32 {
+        if self.perspective {
+            self.jump * depth
+        } else {
+            self.jump
+        }
+    }
+}
+
+/// The samples that show a surface, a bit each.
+#[inline(always)]
+fn equal_bits<const S: usize>(own: &[u32; S], surface: u32) -> u16 {
+    let (fours, rest) = own.as_chunks::<LANES>();
+    let vectors = fours.iter().enumerate().map(|(k, four)| {
+        let equal = u32x4::from(*four).simd_eq(u32x4::splat(surface));
+        (equal.to_bitmask() as u16) << (k * LANES)
+    });
+    let rest = rest.iter().enumerate();
+    let rest = rest.map(|(k, own)| u16::from(*own == surface) << k);
+    vectors.chain(rest).fold(0, |all, bits| all | bits)
+}
+
+/// The samples with negative values, a bit each.
+#[inline(always)]
+fn below_zero<const S: usize>(values: &[f32; S]) -> u16 {
+    let (fours, rest) = values.as_chunks::<LANES>();
+    let vectors = fours.iter().enumerate().map(|(k, four)| {
+        let below = f32x4::from(*four).simd_lt(f32x4::splat(0.0));
+        (below.to_bitmask() as u16) << (k * LANES)
+    });
+    let rest = rest.iter().enumerate();
+    let rest = rest.map(|(k, value)| u16::from(*value < 0.0) << k);
+    vectors.chain(rest).fold(0, |all, bits| all | bits)
 }

@@ -103,10 +103,9 @@ pub(super) fn scan_triangle<const G: usize>(
     cells: &RasterCells,
     plane: &Plane,
     origin: [i32; 2],
-    pattern: &SamplePattern<G>,
+    (pattern, offsets): (&SamplePattern<G>, &[f32x4; G]),
     visit: &mut impl Visit,
 ) {
-    let offsets = plane.offsets(pattern);
     let step = plane.x * (SUBPIXELS << pattern.cell_bits) as f32;
     let columns = TILE as i32 >> pattern.cell_bits;
     // The edge functions are affine: from cell to cell and row to row they grow by constant steps.
@@ -192,5 +191,7 @@ pub(super) fn shade_direct<const G: usize>(
         step_x: [0, 1, 2].map(|k| i32x4::splat(sides[k].x * cell)),
         step_y: [0, 1, 2].map(|k| i32x4::splat(sides[k].y * SUBPIXELS)),
     };
-    scan_triangle(edges, &cells, &plane, origin, pattern, &mut visit);
+    let offsets = plane.offsets(pattern);
+    let lanes = (pattern, &offsets);
+    scan_triangle(edges, &cells, &plane, origin, lanes, &mut visit);
 }

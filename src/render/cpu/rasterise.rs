@@ -2,6 +2,7 @@
 
 use super::blocks::by_blocks;
 use super::lens::LensVertex;
+use super::mask::PixelMask;
 use super::raster::{Visit, shade_direct};
 use super::samples::SamplePattern;
 use super::window::Window;
@@ -13,12 +14,12 @@ const DIRECT: i32 = 12;
 /// doubled, stay below 2^31.
 const DIRECT_REACH: i32 = 1 << 14;
 
-/// Calls `visit` for every vector of samples of which the triangle covers any. The corners are
-/// counter-clockwise on the screen.
+/// Calls `visit` for every vector of samples of which the triangle covers any, if one of its pixels is needed. The corners
+/// are counter-clockwise on the screen.
 #[inline(always)]
 pub(super) fn rasterise_block<const G: usize>(
     corners: [&LensVertex; 3],
-    window: &Window,
+    (window, needed): (&Window, &PixelMask),
     pattern: &SamplePattern<G>,
     visit: impl Visit,
 ) {
@@ -37,6 +38,6 @@ pub(super) fn rasterise_block<const G: usize>(
     if small && right - left < DIRECT_REACH && bottom - top < DIRECT_REACH {
         shade_direct(corners, window, &area, pattern, visit);
     } else {
-        by_blocks(corners, window, &area, pattern, visit);
+        by_blocks(corners, (window, needed), &area, pattern, visit);
     }
 }

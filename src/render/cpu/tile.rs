@@ -2,13 +2,14 @@
 
 use super::assembly::{TileBin, TriangleAssembly};
 use super::cell::{NOTHING, PixelCell, facets_of};
+use super::mask::{PixelMask, TilePart};
 use super::outlines::OutlineFinder;
 use super::rasterise::rasterise_block;
 use super::samples::{LANES, SUBPIXELS, SamplePattern};
 use super::shading::{ShadingBatch, normal_at};
 use super::translucent::Layers;
 use super::view::RasterView;
-use super::window::{AREA, TILE, Window, for_inner, for_pixels};
+use super::window::{AREA, TILE, Window};
 use crate::render::Stage;
 use crate::render::colour::ToneCurve;
 use crate::render::look::ALL_OPEN;
@@ -29,6 +30,9 @@ pub(super) struct TileSamples<const G: usize> {
     batch: ShadingBatch,
     layers: Layers<G>,
     outlines: Option<OutlineFinder>,
+    /// Of the pixels drawn last those that show something of the backdrop, and those that show nothing else.
+    pub(super) seen_backdrop: PixelMask,
+    pub(super) bare: PixelMask,
 }
 
 /// Facets seen in a pixel, with the number of samples of each.
@@ -109,77 +113,81 @@ impl<const G: usize> TileSamples<G> {
             colour: vec![[0.0; 3]; AREA],
             batch: ShadingBatch::new(),
             layers: Layers::default(),
+            seen_backdrop: PixelMask::NONE,
+            bare: PixelMask::NONE,
         }
     }
 
-    /// Draws the pixels `inner` of tile number `number`, all of them or some of its rows. `bytes` are the picture's from
-    /// the first of these rows on, `stride` bytes a row.
+    /// Draws a part of tile number `number`. `bytes` are the picture's from its row `first` on, `stride` bytes a row.
     pub(super) fn draw(
         &mut self,
         view: &RasterView,
         number: usize,
-        inner: Window,
-        bytes: &mut [u8],
-        stride: usize,
+        part: &TilePart,
+        (bytes, first, stride): (&mut [u8], i32, usize),
     ) {
         let bin = &view.assembly.bins[number];
         let shadow = view
             .shadow
             .filter(|_| view.backdrop.shaded(number, view.shadow));
         let view = RasterView { shadow, ..*view };
+        self.seen_backdrop = part.pixels;
+        self.bare = part.pixels;
         // A tile without triangles is background.
         if bin.opaque.is_empty() && bin.translucent.is_empty() {
-            fill_background(&view, inner, bytes, stride);
+            fill_background(&view, part, (bytes, first, stride));
             return;
         }
-        // That of the whole tile whatever rows are drawn: depths are rounded from its first pixel on.
-        let window = view.assembly.with_apron(view.assembly.window(number));
-        let parts = (window, inner);
+        // What the lines of these pixels depend on.
+        let needed = part.pixels.grown(view.assembly.apron);
         // Depth and facet of every sample, then lines, then translucent layers over them.
-        self.clear(&view, window);
-        self.cover_bin(&view, bin, window);
+        self.clear(&view, part.window, &needed);
+        self.cover_bin(&view, bin, part.window, &needed);
         if let Some(outlines) = &mut self.outlines {
-            outlines.read(view.assembly, &self.cells);
-            outlines.find(view.lens, window, inner, false);
+            outlines.read(view.assembly, &self.cells, &needed);
+            outlines.find(view.lens, part, false);
         }
         let translucent = !bin.translucent.is_empty();
         if translucent {
             let cells = &self.cells;
             self.layers
-                .collect(&view, bin, window, &self.pattern, cells);
+                .collect(&view, bin, (part.window, &needed), &self.pattern, cells);
         }
         // Colours: opaque surfaces, lines, layers, and the encoded bytes.
-        self.light(&view, parts, translucent);
-        self.ink(&view, parts);
+        self.light(&view, part, translucent);
+        self.ink(&view, part);
         if translucent {
-            self.blend_layers(&view, parts);
+            self.blend_layers(&view, part);
         }
-        self.write(&view, parts, bytes, stride);
+        self.write(&view, part, (bytes, first, stride));
     }
 
-    fn ink(&mut self, view: &RasterView, (window, inner): (Window, Window)) {
+    fn ink(&mut self, view: &RasterView, part: &TilePart) {
         if let Some(outlines) = &self.outlines {
-            outlines.ink(view, window, inner, (&mut self.colour, BARE));
+            outlines.ink(view, part, (&mut self.colour, BARE));
         }
     }
 
     /// Blends the translucent layers over the opaque samples, and finds the lines of the nearest surfaces of both.
-    fn blend_layers(&mut self, view: &RasterView, parts: (Window, Window)) {
-        self.lay_under(view.assembly, parts);
+    fn blend_layers(&mut self, view: &RasterView, part: &TilePart) {
+        self.lay_under(view.assembly, part);
         let lines = self.outlines.as_ref();
         let inked =
             |pixel: usize, rgb: [f32; 3]| lines.map_or(rgb, |lines| lines.with_ink(pixel, rgb));
         self.layers
-            .blend(view, parts, inked, &mut self.batch, &mut self.colour);
+            .blend(view, part, inked, &mut self.batch, &mut self.colour);
         if let Some(outlines) = &mut self.outlines {
             outlines.read_over(view.assembly, &self.layers);
-            outlines.find(view.lens, parts.0, parts.1, true);
+            outlines.find(view.lens, part, true);
         }
-        self.ink(view, parts);
+        self.ink(view, part);
     }
 
-    fn clear(&mut self, view: &RasterView, window: Window) {
-        self.cells.fill(PixelCell::BARE);
+    fn clear(&mut self, view: &RasterView, window: Window, needed: &PixelMask) {
+        let [first, end] = needed
+            .rows()
+            .map(|row| (row * TILE) >> self.pattern.cell_bits);
+        self.cells[first..end].fill(PixelCell::BARE);
         if !view.below_ground {
             return;
         }
@@ -189,7 +197,11 @@ impl<const G: usize> TileSamples<G> {
         let samples = self.pattern.samples;
         // The ground hides what is below it: its depth is the first in every sample.
         let [right, down, start] = ground.nearness(view.lens.perspective);
-        for_pixels(window, |pixel, x, y| {
+        let part = TilePart {
+            window,
+            pixels: *needed,
+        };
+        part.for_each(|pixel, x, y| {
             let (x, y) = (f64::from(x), f64::from(y));
             if !ground.is_seen(x + 0.5, y + 0.5) {
                 return;
@@ -207,63 +219,70 @@ impl<const G: usize> TileSamples<G> {
         });
     }
 
-    fn lay_under(&mut self, assembly: &TriangleAssembly, parts: (Window, Window)) {
+    fn lay_under(&mut self, assembly: &TriangleAssembly, part: &TilePart) {
         let (layers, cells) = (&mut self.layers, self.cells.as_slice());
         match (G, self.pattern.samples) {
-            (1, 1) => layers.lay_under(assembly, parts, |pixel| facets_of::<1, G>(cells, pixel)),
-            (1, 2) => layers.lay_under(assembly, parts, |pixel| facets_of::<2, G>(cells, pixel)),
-            (1, _) => layers.lay_under(assembly, parts, |pixel| facets_of::<4, G>(cells, pixel)),
-            (2, _) => layers.lay_under(assembly, parts, |pixel| facets_of::<8, G>(cells, pixel)),
-            _ => layers.lay_under(assembly, parts, |pixel| facets_of::<16, G>(cells, pixel)),
+            (1, 1) => layers.lay_under(assembly, part, |pixel| facets_of::<1, G>(cells, pixel)),
+            (1, 2) => layers.lay_under(assembly, part, |pixel| facets_of::<2, G>(cells, pixel)),
+            (1, _) => layers.lay_under(assembly, part, |pixel| facets_of::<4, G>(cells, pixel)),
+            (2, _) => layers.lay_under(assembly, part, |pixel| facets_of::<8, G>(cells, pixel)),
+            _ => layers.lay_under(assembly, part, |pixel| facets_of::<16, G>(cells, pixel)),
         }
     }
 
-    /// Finds the nearest opaque facet of every sample; of equally near ones the first.
+    /// Finds the nearest opaque facet of every sample of the pixels that are needed; of equally near ones the first.
     #[inline(never)]
-    fn cover_bin(&mut self, view: &RasterView, bin: &TileBin, window: Window) {
+    fn cover_bin(&mut self, view: &RasterView, bin: &TileBin, window: Window, needed: &PixelMask) {
         for number in &bin.opaque {
             let facet = &view.assembly.facets[*number as usize];
+            if !needed.meets(window.corner(), &facet.pixels()) {
+                continue;
+            }
             let corners = view.assembly.corners(&facet.corners);
             let own = i32x4::splat(*number as i32);
             let cells = self.cells.as_mut_slice();
-            rasterise_block(corners, &window, &self.pattern, |cell, g, covered, new| {
-                let cell = &mut cells[cell];
-                let old = f32x4::from(cell.depth[g]);
-                // Depth test: nearness grows towards the viewer, and the earlier instance wins a tie.
-                let wins = new.simd_gt(old) & covered;
-                cell.depth[g] = wins.bitselect(new, old).to_array();
-                let mask = wins.to_bits().cast_signed();
-                cell.facet[g] = mask.bitselect(own, i32x4::from(cell.facet[g])).to_array();
-            });
+            rasterise_block(
+                corners,
+                (&window, needed),
+                &self.pattern,
+                |cell, g, covered, new| {
+                    let cell = &mut cells[cell];
+                    let old = f32x4::from(cell.depth[g]);
+                    // Depth test: nearness grows towards the viewer, and the earlier instance wins a tie.
+                    let wins = new.simd_gt(old) & covered;
+                    cell.depth[g] = wins.bitselect(new, old).to_array();
+                    let mask = wins.to_bits().cast_signed();
+                    cell.facet[g] = mask.bitselect(own, i32x4::from(cell.facet[g])).to_array();
+                },
+            );
         }
     }
 
     /// Lights each smooth surface once per pixel in which it is visible, weighted by its samples.
     ///
     /// If something translucent is visible, the layers do this.
-    fn light(&mut self, view: &RasterView, parts: (Window, Window), layers: bool) {
+    fn light(&mut self, view: &RasterView, part: &TilePart, layers: bool) {
         // So many vectors have so many samples: nothing else is compiled.
         match (G, self.pattern.samples) {
-            (1, 1) => self.light_samples::<1>(view, parts, layers),
-            (1, 2) => self.light_samples::<2>(view, parts, layers),
-            (1, _) => self.light_samples::<4>(view, parts, layers),
-            (2, _) => self.light_samples::<8>(view, parts, layers),
-            _ => self.light_samples::<16>(view, parts, layers),
+            (1, 1) => self.light_samples::<1>(view, part, layers),
+            (1, 2) => self.light_samples::<2>(view, part, layers),
+            (1, _) => self.light_samples::<4>(view, part, layers),
+            (2, _) => self.light_samples::<8>(view, part, layers),
+            _ => self.light_samples::<16>(view, part, layers),
         }
     }
 
     #[inline(never)]
-    fn light_samples<const S: usize>(
-        &mut self,
-        view: &RasterView,
-        (window, inner): (Window, Window),
-        layers: bool,
-    ) {
+    fn light_samples<const S: usize>(&mut self, view: &RasterView, part: &TilePart, layers: bool) {
         let cells = self.cells.as_slice();
         let colour = self.colour.as_mut_slice();
-        for_inner(window, inner, |pixel, x, y| {
+        self.seen_backdrop = PixelMask::NONE;
+        part.for_each(|pixel, x, y| {
             let own = &facets_of::<S, G>(cells, pixel);
             let first = own[0];
+            if own.contains(&NOTHING) {
+                self.seen_backdrop.insert(pixel);
+            }
             if *own == [NOTHING; S] && !(layers && self.layers.touch(pixel)) {
                 colour[pixel] = BARE;
                 return;
@@ -279,17 +298,16 @@ impl<const G: usize> TileSamples<G> {
             }
             let mut seen = SeenFacets::of(own);
             seen.merge(view.assembly);
-            // At borders, each surface counts by its share of the samples.
-            for (facet, count) in &seen.facets[..seen.count] {
-                let weight = *count as f32 / S as f32;
-                if *facet == NOTHING {
-                    let (rgb, _) = view.backdrop.linear(x as usize, y as usize, view.shadow);
-                    for k in 0..3 {
-                        colour[pixel][k] += rgb[k] * weight;
-                    }
-                } else {
-                    self.batch.add(view, *facet, x, y, weight, pixel, colour);
-                }
+            let seen = &seen.facets[..seen.count];
+            let weight = |count: u32| count as f32 / S as f32;
+            // At borders, each surface counts by its share of the samples: the backdrop first, whenever the others are lit.
+            if let Some((_, count)) = seen.iter().find(|(facet, _)| *facet == NOTHING) {
+                let (rgb, _) = view.backdrop.linear(x as usize, y as usize, view.shadow);
+                colour[pixel] = rgb.map(|c| c * weight(*count));
+            }
+            for (facet, count) in seen.iter().filter(|(facet, _)| *facet != NOTHING) {
+                let weight = weight(*count);
+                self.batch.add(view, *facet, x, y, weight, pixel, colour);
             }
         });
         self.batch.flush(&view.around, colour);
@@ -297,33 +315,31 @@ impl<const G: usize> TileSamples<G> {
 
     #[inline(never)]
     fn write(
-        &self,
+        &mut self,
         view: &RasterView,
-        (window, inner): (Window, Window),
-        bytes: &mut [u8],
-        stride: usize,
+        part: &TilePart,
+        (bytes, first, stride): (&mut [u8], i32, usize),
     ) {
         let curve = ToneCurve::shared();
-        let first = inner.x[0] as usize;
-        let count = (inner.x[1] - inner.x[0] + 1) as usize;
-        for y in inner.y[0]..=inner.y[1] {
-            let start = (y - inner.y[0]) as usize * stride + first * 4;
+        self.bare = PixelMask::NONE;
+        part.for_runs(|own, count, x, y| {
+            let start = (y - first) as usize * stride + x as usize * 4;
             let Some(target) = bytes.get_mut(start..start + count * 4) else {
-                continue;
+                return;
             };
-            let own = (y - window.y[0]) as usize * TILE + (inner.x[0] - window.x[0]) as usize;
             let colours = &self.colour[own..own + count];
             let targets = target.as_chunks_mut::<4>().0;
             for (k, (target, colour)) in targets.iter_mut().zip(colours).enumerate() {
                 let [r, g, b] = *colour;
                 // A negative colour marks a bare pixel, whose bytes are prepared.
                 *target = if r < 0.0 {
-                    bare_pixel(view, first + k, y as usize)
+                    self.bare.insert(own + k);
+                    bare_pixel(view, x as usize + k, y as usize)
                 } else {
                     [curve.encode(r), curve.encode(g), curve.encode(b), 255]
                 };
             }
-        }
+        });
     }
 }
 
@@ -389,23 +405,24 @@ fn bare_pixel(view: &RasterView, x: usize, y: usize) -> [u8; 4] {
     view.backdrop.codes(x, y, 1)[0]
 }
 
-/// A tile without facets.
-fn fill_background(view: &RasterView, window: Window, bytes: &mut [u8], stride: usize) {
-    for y in window.y[0]..=window.y[1] {
-        let (first, count) = (
-            window.x[0] as usize,
-            (window.x[1] - window.x[0] + 1) as usize,
-        );
-        let start = (y - window.y[0]) as usize * stride + first * 4;
+/// Draws bare pixels of a tile. `bytes` are the picture's from its row `first` on, `stride` bytes a row.
+pub(super) fn fill_background(
+    view: &RasterView,
+    part: &TilePart,
+    (bytes, first, stride): (&mut [u8], i32, usize),
+) {
+    part.for_runs(|_, count, x, y| {
+        let start = (y - first) as usize * stride + x as usize * 4;
         let Some(row) = bytes.get_mut(start..start + count * 4) else {
-            continue;
+            return;
         };
+        let (x, y) = (x as usize, y as usize);
         if view.shadow.is_some() {
             for (k, target) in row.as_chunks_mut::<4>().0.iter_mut().enumerate() {
-                *target = bare_pixel(view, first + k, y as usize);
+                *target = bare_pixel(view, x + k, y);
             }
         } else {
-            row.copy_from_slice(view.backdrop.codes(first, y as usize, count).as_flattened());
+            row.copy_from_slice(view.backdrop.codes(x, y, count).as_flattened());
         }
-    }
+    });
 }

@@ -5,11 +5,12 @@
 
 use super::assembly::{TileBin, TriangleAssembly};
 use super::cell::{NOTHING, PixelCell};
+use super::mask::{PixelMask, TilePart};
 use super::rasterise::rasterise_block;
 use super::samples::{LANES, SamplePattern};
 use super::shading::{ShadingBatch, unit_vector};
 use super::view::RasterView;
-use super::window::{AREA, TILE, Window, for_inner};
+use super::window::{AREA, TILE, Window};
 use crate::render::look::{self, Rgb};
 use wide::{f32x4, i32x4};
 
@@ -69,29 +70,29 @@ impl<const G: usize> Layers<G> {
         self.latest[pixel] != NONE
     }
 
-    /// The nearest translucent facet at a sample and its nearness.
-    pub(super) fn nearest(&self, pixel: usize, sample: usize) -> Option<(i32, f32)> {
-        let (g, lane) = ((sample / LANES) % G, sample % LANES);
-        let mut found = None;
-        let mut nearest = UNCOVERED;
+    /// The nearest translucent facets at vector `g` of a pixel's cell and their nearness; [`NOTHING`] where there is none.
+    pub(super) fn nearest(&self, pixel: usize, g: usize) -> ([i32; LANES], [f32; LANES]) {
+        let (mut found, mut nearest) = (i32x4::splat(NOTHING), f32x4::splat(UNCOVERED));
         let mut at = self.latest[pixel];
         // Of equally near ones the last.
         while let Some(layer) = self.layers.get(at as usize) {
-            if layer.depth[g][lane] > nearest {
-                nearest = layer.depth[g][lane];
-                found = Some((layer.facets[g][lane], nearest));
-            }
+            let depth = f32x4::from(layer.depth[g]);
+            let is_nearer = depth.simd_gt(nearest);
+            nearest = is_nearer.bitselect(depth, nearest);
+            let mask = is_nearer.to_bits().cast_signed();
+            found = mask.bitselect(i32x4::from(layer.facets[g]), found);
             at = layer.before;
         }
-        found
+        (found.to_array(), nearest.to_array())
     }
 
-    /// Finds the layers of a bin's translucent facets in front of the opaque samples of `cells`.
+    /// Finds the layers of a bin's translucent facets in front of the opaque samples of `cells`, as far as they are
+    /// needed.
     pub(super) fn collect(
         &mut self,
         view: &RasterView,
         bin: &TileBin,
-        window: Window,
+        (window, needed): (Window, &PixelMask),
         pattern: &SamplePattern<G>,
         cells: &[PixelCell<G>],
     ) {
@@ -102,26 +103,37 @@ impl<const G: usize> Layers<G> {
         self.latest.resize(AREA, NONE);
         for number in &bin.translucent {
             let facet = &view.assembly.facets[*number as usize];
+            if !needed.meets(window.corner(), &facet.pixels()) {
+                continue;
+            }
             let opacity = view.assembly.paints[facet.instance()].opacity;
             let corners = view.assembly.corners(&facet.corners);
             let drawn = (*number as i32, opacity);
-            rasterise_block(corners, &window, pattern, |cell, g, covered, new| {
-                // In front of all opaque surfaces.
-                let seen = new.simd_gt(f32x4::from(cells[cell].depth[g])) & covered;
-                if seen.to_bitmask() == 0 {
-                    return;
-                }
-                let first = cell << pattern.cell_bits;
-                if pattern.cell_bits == 0 {
-                    return self.cover(view.assembly, drawn, first, (g, seen, new));
-                }
-                for pixel in first..first + (1 << pattern.cell_bits) {
-                    let own = seen & pixel_lanes(pixel, pattern.samples);
-                    if own.to_bitmask() != 0 {
-                        self.cover(view.assembly, drawn, pixel, (g, own, new));
+            rasterise_block(
+                corners,
+                (&window, needed),
+                pattern,
+                |cell, g, covered, new| {
+                    // In front of all opaque surfaces.
+                    let seen = new.simd_gt(f32x4::from(cells[cell].depth[g])) & covered;
+                    if seen.to_bitmask() == 0 {
+                        return;
                     }
-                }
-            });
+                    let first = cell << pattern.cell_bits;
+                    if pattern.cell_bits == 0 {
+                        if !needed.contains(first) {
+                            return;
+                        }
+                        return self.cover(view.assembly, drawn, first, (g, seen, new));
+                    }
+                    for pixel in first..first + (1 << pattern.cell_bits) {
+                        let own = seen & pixel_lanes(pixel, pattern.samples);
+                        if own.to_bitmask() != 0 {
+                            self.cover(view.assembly, drawn, pixel, (g, own, new));
+                        }
+                    }
+                },
+            );
         }
     }
 
@@ -202,13 +214,13 @@ impl<const G: usize> Layers<G> {
     pub(super) fn lay_under<const S: usize>(
         &mut self,
         assembly: &TriangleAssembly,
-        (window, inner): (Window, Window),
+        part: &TilePart,
         facets: impl Fn(usize) -> [i32; S],
     ) {
         self.under.clear();
         self.behind.clear();
         self.behind.resize(AREA * S, NONE);
-        for_inner(window, inner, |pixel, _, _| {
+        part.for_each(|pixel, _, _| {
             if self.touch(pixel) {
                 let first = self.under.len();
                 for (sample, facet) in facets(pixel).into_iter().enumerate() {
@@ -231,14 +243,16 @@ impl<const G: usize> Layers<G> {
     pub(super) fn blend(
         &mut self,
         view: &RasterView,
-        (window, inner): (Window, Window),
+        part: &TilePart,
         inked: impl Fn(usize, Rgb) -> Rgb,
         batch: &mut ShadingBatch,
         pixels: &mut [Rgb],
     ) {
-        self.light(view, window, batch);
+        self.light(view, part, batch);
         let samples = self.samples;
-        for_inner(window, inner, |pixel, _, _| {
+        // A vector may have samples of several pixels.
+        let is_shared = samples < LANES;
+        part.for_each(|pixel, _, _| {
             if !self.touch(pixel) {
                 return;
             }
@@ -248,7 +262,7 @@ impl<const G: usize> Layers<G> {
             for first in (0..samples).step_by(LANES) {
                 let sample = pixel * samples + first;
                 let seen = self.blended(sample / LANES * LANES, |sample| {
-                    let is_own = sample / samples == pixel;
+                    let is_own = !is_shared || sample / samples == pixel;
                     let behind = if is_own { self.behind[sample] } else { NONE };
                     let under = self.layers.len() + behind as usize;
                     let rgb = self.colours.get(under).copied().unwrap_or_default();
@@ -322,7 +336,8 @@ impl<const G: usize> Layers<G> {
     }
 
     /// Colours of all surfaces, with higher opacity for those seen edge-on.
-    fn light(&mut self, view: &RasterView, window: Window, batch: &mut ShadingBatch) {
+    fn light(&mut self, view: &RasterView, part: &TilePart, batch: &mut ShadingBatch) {
+        let window = part.window;
         let place = |pixel: u32| {
             let pixel = pixel as usize;
             let x = window.x[0] + (pixel % TILE) as i32;
@@ -332,7 +347,8 @@ impl<const G: usize> Layers<G> {
         self.colours.clear();
         self.colours.resize(count + self.under.len(), [0.0; 3]);
         // Each surface of a pixel is lit once, whatever number of samples shows it.
-        for (index, layer) in self.layers.iter_mut().enumerate() {
+        let drawn = self.layers.iter_mut().enumerate();
+        for (index, layer) in drawn.filter(|(_, l)| part.pixels.contains(l.pixel as usize)) {
             let (x, y) = place(layer.pixel);
             let colours = &mut self.colours;
             let directions = batch.add(view, layer.facet, x, y, 1.0, index, colours);

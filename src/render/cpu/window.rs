@@ -16,25 +16,11 @@ pub(super) struct Window {
     pub(super) y: [i32; 2],
 }
 
-/// Calls `visit` with the index in the tile, x and y of every pixel of `inner`, a part of the tile's window.
-#[inline(always)]
-pub(super) fn for_inner(window: Window, inner: Window, mut visit: impl FnMut(usize, i32, i32)) {
-    for y in inner.y[0]..=inner.y[1] {
-        let row = (y - window.y[0]) as usize * TILE;
-        for x in inner.x[0]..=inner.x[1] {
-            visit(row + (x - window.x[0]) as usize, x, y);
-        }
-    }
-}
-
-/// Calls `visit` with the index in the tile, x and y of every pixel of the window, row by row.
-#[inline(always)]
-pub(super) fn for_pixels(window: Window, mut visit: impl FnMut(usize, i32, i32)) {
-    for y in window.y[0]..=window.y[1] {
-        let row = (y - window.y[0]) as usize * TILE;
-        for x in window.x[0]..=window.x[1] {
-            visit(row + (x - window.x[0]) as usize, x, y);
-        }
+impl Window {
+    /// Its first pixel.
+    #[inline(always)]
+    pub(super) fn corner(&self) -> [i32; 2] {
+        [self.x[0], self.y[0]]
     }
 }
 

@@ -123,6 +123,40 @@ fn a_picture_depends_on_nothing_but_its_frame() {
     }
 }
 
+/// Pictures of a motion, one after the other with one renderer, are those of a new renderer for each: bodies that move or
+/// stand still, turn translucent, are drawn in part or change their colour, before and behind each other.
+#[test]
+fn what_is_kept_of_the_frame_before_is_what_would_be_drawn() {
+    for samples in [1, 2, 4, 8, 16] {
+        let (mut stage, mut frame) = workshop(samples);
+        for (edges, shade) in [(false, false), (true, false), (true, true)] {
+            stage.edges = edges.then_some(EdgeStyle {
+                creases: true,
+                ink: BLACK,
+            });
+            let room = [DVec3::splat(-9.0), DVec3::splat(9.0)];
+            stage.mutual_shade = shade.then_some(room);
+            let mut renderer = CpuRenderer::new(Arc::new(stage.clone())).unwrap();
+            let mut image = RgbaImage::new(stage.size[0], stage.size[1]);
+            for step in 0..9 {
+                let turn = Pose::from_axis_rotation(step % 3, 0.1 * step as f64);
+                match step {
+                    2 => frame.instances[1].opacity = 1.0,
+                    3 => frame.instances[1].opacity = 0.4,
+                    4 => frame.instances[0].colour = [9, 200, 90],
+                    7 => frame.instances[2].world_from_mesh.translation.z -= 3.0,
+                    _ => frame.instances[step % 2].world_from_mesh = turn,
+                }
+                let drawn = 3 * step as u32;
+                frame.instances[2].triangles = 0..if step == 8 { 4 } else { drawn };
+                renderer.draw(&frame, &mut image).unwrap();
+                let expected = draw(stage.clone(), frame.instances.clone());
+                assert!(image == expected, "{samples} {edges} {shade} {step}");
+            }
+        }
+    }
+}
+
 /// A frame's own camera gives the picture of a stage that is seen through it, also after others and from below.
 #[test]
 fn a_frame_is_seen_through_its_own_camera() {
