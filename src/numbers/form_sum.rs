@@ -11,6 +11,18 @@ pub trait FormSum {
     /// Adds `factor` times a form.
     fn add_scaled(&mut self, factor: f64, form: &Self::Form);
 
+    /// Adds the same forms to several sums: sum i takes them times the factors from `factors[i * forms.len()]` on.
+    fn add_scaled_to_all(sums: &mut [&mut Self], factors: &[f64], forms: &[&Self::Form]);
+
+    /// Factors of several products, prepared for sums with others.
+    type Factors;
+
+    /// Prepares forms that depend on the first `span` numbers.
+    fn factors(forms: Vec<Self::Form>, span: usize) -> Self::Factors;
+
+    /// Adds the products of as many pairs.
+    fn add_products(&mut self, a: &Self::Factors, b: &Self::Factors);
+
     /// Adds a product.
     fn add_product(&mut self, a: &Self::Form, b: &Self::Form);
 

@@ -1,8 +1,9 @@
 //! Sums of affine forms under construction: their slopes are changed in place, and rounding is counted once.
 
-use super::{AffineForm, add_list};
+use super::AffineForm;
 use crate::numbers::form_room::FormRoom;
 use crate::numbers::form_sum::{FormSum, SummedForm};
+use crate::numbers::lists::{add_combinations, add_list};
 use crate::numbers::rounding::{GROW, OPERATION, UNDERFLOW};
 
 /// Rounding of an addition to an error, generously.
@@ -43,6 +44,30 @@ impl<'r> AffineSum<'r> {
         self.add_slopes(b.value, a);
     }
 
+    /// Makes space for so many slopes like those of a form.
+    fn widen(&mut self, length: usize, like: &AffineForm<'r>) -> &mut [f64] {
+        if self.slopes.capacity() == 0 {
+            self.slopes = like.blank();
+        }
+        if self.slopes.len() < length {
+            self.slopes.resize(length, 0.0);
+        }
+        &mut self.slopes
+    }
+
+    /// Counts `factor` times a form without its slopes.
+    pub fn add_scaled_value(&mut self, factor: f64, b: &AffineForm<'r>) {
+        self.note_room(b);
+        if factor == 0.0 || b.is_zero() {
+            // An unknown number stays unknown.
+            self.error += if b.error.is_finite() { 0.0 } else { b.error };
+            return;
+        }
+        self.value += factor * b.value;
+        self.count(1.0, factor.abs() * (b.value.abs() + b.radius));
+        self.error += factor.abs() * b.error;
+    }
+
     fn add_slopes(&mut self, factor: f64, b: &AffineForm<'r>) {
         if self.slopes.capacity() == 0 {
             self.slopes = b.blank();
@@ -53,6 +78,15 @@ impl<'r> AffineSum<'r> {
 
 impl<'r> FormSum for AffineSum<'r> {
     type Form = AffineForm<'r>;
+    type Factors = Vec<AffineForm<'r>>;
+
+    fn factors(forms: Vec<AffineForm<'r>>, _: usize) -> Self::Factors {
+        forms
+    }
+
+    fn add_products(&mut self, a: &Self::Factors, b: &Self::Factors) {
+        a.iter().zip(b).for_each(|(a, b)| self.add_product(a, b));
+    }
 
     fn new(start: f64) -> Self {
         Self {
@@ -66,16 +100,26 @@ impl<'r> FormSum for AffineSum<'r> {
     }
 
     fn add_scaled(&mut self, factor: f64, b: &AffineForm<'r>) {
-        self.note_room(b);
-        if factor == 0.0 || b.is_zero() {
-            // An unknown number stays unknown.
-            self.error += if b.error.is_finite() { 0.0 } else { b.error };
-            return;
+        self.add_scaled_value(factor, b);
+        if factor != 0.0 {
+            self.add_slopes(factor, b);
         }
-        self.value += factor * b.value;
-        self.add_slopes(factor, b);
-        self.count(1.0, factor.abs() * (b.value.abs() + b.radius));
-        self.error += factor.abs() * b.error;
+    }
+
+    fn add_scaled_to_all(sums: &mut [&mut Self], factors: &[f64], forms: &[&AffineForm<'r>]) {
+        for (sum, factors) in sums.iter_mut().zip(factors.chunks_exact(forms.len().max(1))) {
+            let terms = factors.iter().zip(forms);
+            terms.for_each(|(factor, form)| sum.add_scaled_value(*factor, form));
+        }
+        let Some(widest) = forms.iter().max_by_key(|form| form.slopes.len()) else {
+            return;
+        };
+        let slopes: Vec<&[f64]> = forms.iter().map(|form| form.slopes).collect();
+        let length = widest.slopes.len();
+        let mut lists: Vec<&mut [f64]> = (sums.iter_mut())
+            .map(|sum| sum.widen(length, widest))
+            .collect();
+        add_combinations(&mut lists, factors, &slopes);
     }
 
     fn add_product(&mut self, a: &AffineForm<'r>, b: &AffineForm<'r>) {

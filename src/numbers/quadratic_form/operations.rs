@@ -5,6 +5,7 @@ use crate::numbers::affine_form::AffineForm;
 use crate::numbers::constant::Constant;
 use crate::numbers::form_sum::SummedForm;
 use crate::numbers::interval::Interval;
+use crate::numbers::lists::add_long_list;
 use crate::numbers::rounding::{GROW, OPERATION};
 use crate::numbers::scalar::{Ring, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -162,8 +163,7 @@ impl Add for QuadraticForm<'_> {
         };
         let mut bends = longer.blank();
         bends.extend_from_slice(longer.bends);
-        let pairs = bends.iter_mut().zip(shorter.bends);
-        pairs.for_each(|(sum, added)| *sum += added);
+        add_long_list(&mut bends, 1.0, shorter.bends);
         let mut sum = Self::from(line).bent(bends);
         // Rounding of every sum of second-order terms.
         sum.line.error = (sum.line.error + OPERATION * (self.bend + b.bend)) * GROW;
