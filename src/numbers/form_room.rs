@@ -3,7 +3,7 @@
 use std::cell::{Cell, OnceCell, RefCell};
 
 /// Coefficients that are processed together.
-pub const LANES: usize = 4;
+pub const LANES: usize = 8;
 
 /// Lists of coefficients for this many δ. They are given up together, and their memory is used again.
 #[derive(Debug, Default)]
@@ -98,6 +98,14 @@ impl CoefficientLists {
         list
     }
 
+    /// A list of so many values, which mean nothing yet.
+    pub fn unset(&self, length: usize) -> Vec<f64> {
+        let mut list = self.spare.borrow_mut().pop().unwrap_or_default();
+        list.reserve_exact(self.length.saturating_sub(list.len()));
+        list.resize(length, 0.0);
+        list
+    }
+
     /// Takes back a list that is not needed.
     pub fn give_back(&self, list: Vec<f64>) {
         if list.capacity() > 0 {
@@ -133,11 +141,11 @@ mod tests {
     fn lists_stay_where_they_are() {
         let room = FormRoom::new(2);
         let kept: Vec<&[f64]> = (0..MANY)
-            .filter_map(|k| room.bends().keep(vec![k as f64; 8]))
+            .filter_map(|k| room.bends().keep(vec![k as f64; 24]))
             .collect();
         assert_eq!(kept.len(), MANY);
         for (k, list) in kept.iter().enumerate() {
-            assert_eq!(*list, [k as f64; 8]);
+            assert_eq!(*list, [k as f64; 24]);
         }
         let mut next = 0;
         for l in 0..4 * LANES {

@@ -40,9 +40,35 @@ impl WithSimd for Magnitudes<'_> {
     type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
-        sum_of_magnitudes(self.0)
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let (lanes, rest) = self.0.as_chunks::<LANES>();
+        let (fours, last) = lanes.as_chunks::<4>();
+        let zero = [0.0; LANES];
+        let (mut a, mut b, mut c, mut d) = (zero, zero, zero, zero);
+        for [p, q, r, s] in fours {
+            add_magnitudes(simd, &mut a, p);
+            add_magnitudes(simd, &mut b, q);
+            add_magnitudes(simd, &mut c, r);
+            add_magnitudes(simd, &mut d, s);
+        }
+        for lanes in last {
+            add_magnitudes(simd, &mut a, lanes);
+        }
+        let parts = [a, b, c, d].map(|part| part.iter().sum::<f64>());
+        parts.iter().sum::<f64>() + rest.iter().map(|value| value.abs()).sum::<f64>()
     }
+}
+
+/// Adds the magnitudes of some coefficients.
+#[inline(always)]
+fn add_magnitudes<S: Simd>(simd: S, sum: &mut Lanes, list: &Lanes) {
+    let (sums, last) = S::as_mut_simd_f64s(sum);
+    let (values, others) = S::as_simd_f64s(list);
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum = simd.add_f64s(*sum, simd.abs_f64s(*value));
+    }
+    let rest = last.iter_mut().zip(others);
+    rest.for_each(|(sum, value)| *sum += value.abs());
 }
 
 /// Adds `factor` times a list, which may be longer than the sum.
@@ -74,45 +100,103 @@ impl WithSimd for Scaled<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let pairs = self.sum.iter_mut().zip(self.list);
-        pairs.for_each(|(sum, added)| *sum += self.factor * added);
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (sums, last) = S::as_mut_simd_f64s(self.sum);
+        let (values, others) = S::as_simd_f64s(self.list);
+        let factors = simd.splat_f64s(self.factor);
+        for (sum, value) in sums.iter_mut().zip(values) {
+            *sum = simd.add_f64s(*sum, simd.mul_f64s(*value, factors));
+        }
+        let rest = last.iter_mut().zip(others);
+        rest.for_each(|(sum, value)| *sum += value * self.factor);
     }
 }
 
-/// Adds to sum `i` of `sums`, each at least as long as all lists, list `k` times `factors[i * lists.len() + k]`.
-pub fn add_combinations(sums: &mut [&mut [f64]], factors: &[f64], lists: &[&[f64]]) {
+/// Sets a sum to two lists times their factors; behind both it is zero.
+pub fn set_to_two(sum: &mut [f64], a: (f64, &[f64]), b: (f64, &[f64])) {
+    let (longer, shorter) = match a.1.len() < b.1.len() {
+        true => (b, a),
+        false => (a, b),
+    };
+    let (both, more) = sum.split_at_mut(shorter.1.len());
+    let (beside, others) = longer.1.split_at(both.len());
+    let (alone, none) = more.split_at_mut(others.len());
+    Arch::new().dispatch(TwoScaled {
+        sum: both,
+        factors: [longer.0, shorter.0],
+        lists: [beside, shorter.1],
+    });
+    let pairs = alone.iter_mut().zip(others);
+    pairs.for_each(|(sum, value)| *sum = longer.0 * value);
+    none.fill(0.0);
+}
+
+struct TwoScaled<'a> {
+    sum: &'a mut [f64],
+    factors: [f64; 2],
+    lists: [&'a [f64]; 2],
+}
+
+impl WithSimd for TwoScaled<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let [p, q] = self.factors;
+        let [x, y] = self.lists;
+        let (sums, last) = S::as_mut_simd_f64s(self.sum);
+        let ((xs, x), (ys, y)) = (S::as_simd_f64s(x), S::as_simd_f64s(y));
+        let [ps, qs] = [p, q].map(|factor| simd.splat_f64s(factor));
+        for (sum, (x, y)) in sums.iter_mut().zip(xs.iter().zip(ys)) {
+            *sum = simd.add_f64s(simd.mul_f64s(*x, ps), simd.mul_f64s(*y, qs));
+        }
+        for (sum, (x, y)) in last.iter_mut().zip(x.iter().zip(y)) {
+            *sum = x * p + y * q;
+        }
+    }
+}
+
+/// Adds to sum `i` of `sums`, each at least as long as all lists, list `k` times `factors[i * lists.len() + k]`. What sums that are
+/// `unset` contain is ignored.
+pub fn add_combinations(
+    sums: &mut [&mut [f64]],
+    factors: &[f64],
+    lists: &[&[f64]],
+    are_unset: bool,
+) {
     let count = lists.len();
     let length = lists.iter().map(|list| list.len()).max().unwrap_or(0);
     if count == 0 || length == 0 {
         return;
     }
     // All lists side by side, filled up with zeros.
-    let mut packed = vec![[0.0; LANES]; length.div_ceil(LANES) * count];
-    for (k, list) in lists.iter().enumerate() {
-        let (whole, rest) = list.as_chunks::<LANES>();
-        let places = packed.iter_mut().skip(k).step_by(count);
-        places
-            .zip(whole)
-            .for_each(|(place, values)| *place = *values);
-        if !rest.is_empty() {
-            packed[whole.len() * count + k][..rest.len()].copy_from_slice(rest);
-        }
+    let mut packed = Vec::with_capacity(length.div_ceil(LANES) * count);
+    for at in (0..length).step_by(LANES) {
+        packed.extend(lists.iter().map(|list| lanes_at(list, at)));
     }
     let mut by_row = vec![[0.0; ROWS]; count];
-    for (group, rows) in sums.chunks_mut(ROWS).enumerate() {
-        let first = group * ROWS;
-        for (k, place) in by_row.iter_mut().enumerate() {
-            for (r, factor) in place.iter_mut().enumerate().take(rows.len()) {
-                *factor = factors[(first + r) * count + k];
-            }
+    for (rows, factors) in sums.chunks_mut(ROWS).zip(factors.chunks(ROWS * count)) {
+        for (r, factors) in factors.chunks_exact(count).enumerate() {
+            let places = by_row.iter_mut().zip(factors);
+            places.for_each(|(place, factor)| place[r] = *factor);
         }
         Arch::new().dispatch(Combinations {
             sums: rows,
             factors: &by_row,
             packed: &packed,
             end: length,
+            are_unset,
         });
+    }
+}
+
+/// The coefficients of a list from one on; behind its end are zeros.
+#[inline]
+fn lanes_at(list: &[f64], at: usize) -> Lanes {
+    let rest = list.get(at..).unwrap_or(&[]);
+    match rest.first_chunk::<LANES>() {
+        Some(lanes) => *lanes,
+        None => std::array::from_fn(|i| rest.get(i).copied().unwrap_or(0.0)),
     }
 }
 
@@ -122,6 +206,7 @@ struct Combinations<'a, 's> {
     factors: &'a [[f64; ROWS]],
     packed: &'a [Lanes],
     end: usize,
+    are_unset: bool,
 }
 
 impl WithSimd for Combinations<'_, '_> {
@@ -134,11 +219,13 @@ impl WithSimd for Combinations<'_, '_> {
             factors,
             packed,
             end,
+            are_unset,
         } = self;
         for (index, lists) in packed.chunks_exact(factors.len()).enumerate() {
             let at = index * LANES..end.min((index + 1) * LANES);
             let mut rows = [[0.0; LANES]; ROWS];
-            for (row, sum) in rows.iter_mut().zip(sums.iter()) {
+            let known = if are_unset { 0 } else { sums.len() };
+            for (row, sum) in rows.iter_mut().zip(sums.iter().take(known)) {
                 match sum[at.clone()].first_chunk::<LANES>() {
                     Some(values) => *row = *values,
                     None => row[..at.len()].copy_from_slice(&sum[at.clone()]),
@@ -176,14 +263,11 @@ fn add_scaled<S: Simd>(simd: S, sum: &mut Lanes, list: &Lanes, factor: f64) {
     rest.for_each(|(sum, value)| *sum += value * factor);
 }
 
-/// A list filled up with zeros to so many numbers.
-pub fn in_lanes(list: &[f64], span: usize) -> SmallVec<[Lanes; 12]> {
-    let mut lanes: SmallVec<[Lanes; 12]> = SmallVec::from_elem([0.0; LANES], span.div_ceil(LANES));
-    let (whole, rest) = list.as_chunks::<LANES>();
-    lanes[..whole.len()].copy_from_slice(whole);
-    if !rest.is_empty() {
-        lanes[whole.len()][..rest.len()].copy_from_slice(rest);
-    }
+/// A list times a factor, filled up with zeros to so many numbers.
+pub fn in_lanes(list: &[f64], factor: f64, span: usize) -> SmallVec<[Lanes; 6]> {
+    let mut lanes: SmallVec<[Lanes; 6]> = SmallVec::from_elem([0.0; LANES], span.div_ceil(LANES));
+    let places = lanes.iter_mut().flatten().zip(list);
+    places.for_each(|(place, value)| *place = factor * value);
     lanes
 }
 
@@ -292,20 +376,22 @@ impl WithSimd for SymmetricProduct<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { sums, x, y, span } = self;
-        let is_none = |(x, y): &(&Lanes, &Lanes)| x.iter().chain(*y).all(|value| *value == 0.0);
-        let first = x.iter().zip(y).take_while(is_none).count();
-        for (group, (xs, ys)) in x.iter().zip(y).enumerate().skip(first) {
-            for r in 0..LANES.min(span - group * LANES) {
+        let mut rest = sums;
+        for (group, (xs, ys)) in x.iter().zip(y).enumerate() {
+            // Columns of one length.
+            let length = group + 1;
+            let count = LANES.min(span - group * LANES);
+            let (columns, more) = rest.split_at_mut(count * length);
+            rest = more;
+            for (r, column) in columns.chunks_exact_mut(length).enumerate() {
                 let (p, q) = (xs[r], ys[r]);
-                if p == 0.0 && q == 0.0 {
-                    continue;
-                }
-                let begin = packed_length(group * LANES + r) / LANES;
-                let column = &mut sums[begin + first..=begin + group];
                 let Some((last, others)) = column.split_last_mut() else {
                     continue;
                 };
-                for (sum, (x, y)) in others.iter_mut().zip(x[first..].iter().zip(&y[first..])) {
+                if p == 0.0 && q == 0.0 {
+                    continue;
+                }
+                for (sum, (x, y)) in others.iter_mut().zip(x.iter().zip(y)) {
                     add_scaled(simd, sum, x, q);
                     add_scaled(simd, sum, y, p);
                 }

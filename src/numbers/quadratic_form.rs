@@ -119,13 +119,8 @@ impl<'r> QuadraticForm<'r> {
 
     /// How many of the first numbers it depends on.
     pub fn span(&self) -> usize {
-        self.line.slopes().len().max(self.bent_span())
-    }
-
-    /// How many of the first numbers its quadratic part depends on.
-    fn bent_span(&self) -> usize {
         let bent = (0..).find(|span| packed_length(*span) >= self.bends.len());
-        bent.unwrap_or(0)
+        self.line.slopes().len().max(bent.unwrap_or(0))
     }
 
     /// The same to first order: the quadratic part goes into the error.

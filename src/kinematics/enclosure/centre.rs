@@ -82,7 +82,8 @@ impl Centre {
         // -R Fₖ with the values of the rates.
         let mut rates = vec![0.0; n * m];
         for (column, slot) in layout.slots.iter().enumerate().skip(n) {
-            for (k, rate) in region.rates_of(*slot).iter().enumerate() {
+            let moved = region.rates_of(*slot).iter().enumerate();
+            for (k, rate) in moved.filter(|(_, rate)| rate.nominal() != 0.0) {
                 for (l, row) in basis.iter().enumerate() {
                     let by_slot = entry(*row, column) * rate.nominal();
                     for i in 0..n {

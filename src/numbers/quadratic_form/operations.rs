@@ -7,12 +7,19 @@ use crate::numbers::form_sum::SummedForm;
 use crate::numbers::interval::Interval;
 use crate::numbers::lists::add_long_list;
 use crate::numbers::rounding::{GROW, OPERATION};
-use crate::numbers::scalar::{Ring, Scalar};
+use crate::numbers::scalar::{Ring, Scalar, Sign};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 impl Ring for QuadraticForm<'_> {
     fn number(value: f64) -> Self {
         Self::from(AffineForm::within(value, 0.0))
+    }
+
+    fn signed_products<const N: usize>(terms: [(Sign, Self, Self); N]) -> Self {
+        let is_zero = |form: &Self| form.is_number() && form.line.value == 0.0;
+        let is_none =
+            |a: &Self, b: &Self| is_zero(a) && b.is_finite() || is_zero(b) && a.is_finite();
+        Self::summed_products(terms, is_none)
     }
 
     fn scale(self, factor: f64) -> Self {

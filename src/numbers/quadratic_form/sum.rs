@@ -7,9 +7,10 @@ use crate::numbers::form_room::packed_length;
 use crate::numbers::form_sum::{FormSum, SummedForm};
 use crate::numbers::lists::{
     FactorLists, add_combinations, add_long_list, add_symmetric_product, add_symmetric_products,
-    in_lanes,
+    in_lanes, set_to_two,
 };
 use crate::numbers::rounding::UNDERFLOW;
+use crate::numbers::scalar::Sign;
 
 /// A value below this share of a form's slopes does not multiply second-order coefficients one by one.
 const NEGLIGIBLE: f64 = 1e-6;
@@ -28,54 +29,105 @@ pub struct QuadraticFactors<'r> {
 
 impl<'r> QuadraticSum<'r> {
     fn add_bends(&mut self, factor: f64, form: &QuadraticForm<'r>) {
-        if self.bends.capacity() == 0 {
-            self.bends = form.blank();
+        match form.room() {
+            Some(room) if self.bends.capacity() == 0 => {
+                self.bends = room.bends().unset(form.bends.len());
+                set_to_two(&mut self.bends, (factor, form.bends), (0.0, &[]));
+            }
+            _ => add_long_list(&mut self.bends, factor, form.bends),
         }
-        add_long_list(&mut self.bends, factor, form.bends);
     }
 
-    /// Makes space for all pairs of so many numbers; `None` if there is no room.
-    fn widen(&mut self, span: usize) -> Option<&mut [f64]> {
-        let room = self.line.room()?;
-        if self.bends.capacity() == 0 {
-            self.bends = room.bends().blank();
-        }
-        let length = packed_length(span);
+    /// Makes space for so many coefficients; `None` if there is no room.
+    fn widen(&mut self, length: usize) -> Option<&mut [f64]> {
         if self.bends.len() < length {
+            if self.bends.capacity() == 0 {
+                self.bends = self.line.room()?.bends().unset(0);
+            }
             self.bends.resize(length, 0.0);
         }
-        Some(&mut self.bends[..length])
+        Some(&mut self.bends)
+    }
+
+    /// So many coefficients, which mean nothing yet; `None` if there is no room.
+    fn unset(&mut self, length: usize) -> Option<&mut [f64]> {
+        self.bends = self.line.room()?.bends().unset(length);
+        Some(&mut self.bends)
     }
 
     /// Adds the terms of second order from the slopes of both factors; returns a bound of what finds no space.
-    fn add_product_of_slopes(&mut self, a: &AffineForm<'r>, b: &AffineForm<'r>) -> f64 {
+    fn add_product_of_slopes(
+        &mut self,
+        sign: Sign,
+        a: &AffineForm<'r>,
+        b: &AffineForm<'r>,
+    ) -> f64 {
         let (x, y) = (a.slopes(), b.slopes());
         if x.is_empty() || y.is_empty() {
             return 0.0;
         }
         let span = x.len().max(y.len());
-        match self.widen(span) {
+        match self.widen(packed_length(span)) {
             Some(bends) => {
-                add_symmetric_product(bends, &in_lanes(x, span), &in_lanes(y, span), span);
+                let (x, y) = (in_lanes(x, 1.0, span), in_lanes(y, sign.factor(), span));
+                add_symmetric_product(bends, &x, &y, span);
                 0.0
             }
             None => a.radius() * b.radius(),
         }
     }
 
-    /// Adds a product of forms that are no numbers except for the product of their slopes, of which `lost` is unknown.
-    fn add_rest_of_product(&mut self, a: &QuadraticForm<'r>, b: &QuadraticForm<'r>, mut lost: f64) {
-        let (u, v) = (a.line.value, b.line.value);
-        let (rx, ry) = (a.line.radius(), b.line.radius());
-        for (factor, reach, form) in [(u, rx, b), (v, ry, a)] {
-            // Beside its slopes such a value is nothing, and their product with the second order is an error below.
-            match factor.abs() <= NEGLIGIBLE * reach {
-                true => lost += factor.abs() * form.bend,
-                false => self.add_bends(factor, form),
+    /// Adds the values of both factors times the terms of second order of the other; returns a bound of what is negligible.
+    fn add_products_with_bends(
+        &mut self,
+        sign: Sign,
+        a: &QuadraticForm<'r>,
+        b: &QuadraticForm<'r>,
+    ) -> f64 {
+        let mut lost = 0.0;
+        let both = [(&a.line, b), (&b.line, a)].map(|(line, form)| {
+            // Beside its slopes such a value is nothing, and their product with the second order is an error.
+            match line.value.abs() <= NEGLIGIBLE * line.radius() {
+                true => {
+                    lost += line.value.abs() * form.bend;
+                    (0.0, &[][..])
+                }
+                false => (sign.factor() * line.value, form.bends),
+            }
+        });
+        let [p, q] = both;
+        match self.line.room() {
+            Some(room) if self.bends.capacity() == 0 => {
+                let spans = a.line.slopes().len().max(b.line.slopes().len());
+                let length = packed_length(spans).max(p.1.len()).max(q.1.len());
+                if length > 0 {
+                    self.bends = room.bends().unset(length);
+                    set_to_two(&mut self.bends, p, q);
+                }
+            }
+            _ => {
+                for ((factor, bends), form) in [p, q].into_iter().zip([b, a]) {
+                    if !bends.is_empty() {
+                        self.add_bends(factor, form);
+                    }
+                }
             }
         }
+        lost
+    }
+
+    /// Adds a product of forms that are no numbers except for their terms of second order, of which `lost` is unknown.
+    fn add_rest_of_product(
+        &mut self,
+        sign: Sign,
+        a: &QuadraticForm<'r>,
+        b: &QuadraticForm<'r>,
+        lost: f64,
+    ) {
+        let (u, v) = (a.line.value, b.line.value);
+        let (rx, ry) = (a.line.radius(), b.line.radius());
         let line = &mut self.line;
-        line.add_line(&a.line, &b.line);
+        line.add_line(sign, &a.line, &b.line);
         let (qx, qy) = (a.bend, b.bend);
         let (ex, ey) = (a.line.error, b.line.error);
         let (far, wide) = (u.abs() + rx + qx, v.abs() + ry + qy);
@@ -105,10 +157,15 @@ impl<'r> QuadraticSum<'r> {
     }
 
     /// Adds the product if one factor is a number.
-    fn has_added_number(&mut self, a: &QuadraticForm<'r>, b: &QuadraticForm<'r>) -> bool {
+    fn has_added_number(
+        &mut self,
+        sign: Sign,
+        a: &QuadraticForm<'r>,
+        b: &QuadraticForm<'r>,
+    ) -> bool {
         for (number, other) in [(a, b), (b, a)] {
             if number.is_number() {
-                self.add_scaled(number.line.value, other);
+                self.add_scaled(sign.factor() * number.line.value, other);
                 return true;
             }
         }
@@ -158,21 +215,30 @@ impl<'r> FormSum for QuadraticSum<'r> {
         // Lists of those that have some.
         let bent = || forms.iter().enumerate().filter(|(_, form)| form.bend != 0.0);
         let lists: Vec<&[f64]> = bent().map(|(_, form)| form.bends).collect();
-        let span = bent().map(|(_, form)| form.bent_span()).max();
+        let length = lists.iter().map(|list| list.len()).max().unwrap_or(0);
+        if length == 0 {
+            return;
+        }
         let rows = factors.chunks_exact(forms.len().max(1));
         let factors: Vec<f64> = rows.flat_map(|row| bent().map(|(k, _)| row[k])).collect();
-        let bends = sums.iter_mut().map(|sum| sum.widen(span.unwrap_or(0)));
+        let are_unset = sums.iter().all(|sum| sum.bends.capacity() == 0);
+        let bends = sums.iter_mut().map(|sum| match are_unset {
+            true => sum.unset(length),
+            false => sum.widen(length),
+        });
+        // Bends have a room, which the sums know now.
         let bends: Option<Vec<&mut [f64]>> = bends.collect();
         if let Some(mut bends) = bends {
-            add_combinations(&mut bends, &factors, &lists);
+            add_combinations(&mut bends, &factors, &lists, are_unset);
         }
     }
 
     /// Adds a product, its terms up to the second order multiplied out in place.
-    fn add_product(&mut self, a: &QuadraticForm<'r>, b: &QuadraticForm<'r>) {
-        if !self.has_added_number(a, b) {
-            let lost = self.add_product_of_slopes(&a.line, &b.line);
-            self.add_rest_of_product(a, b, lost);
+    fn add_signed_product(&mut self, sign: Sign, a: &QuadraticForm<'r>, b: &QuadraticForm<'r>) {
+        if !self.has_added_number(sign, a, b) {
+            let lost = self.add_products_with_bends(sign, a, b)
+                + self.add_product_of_slopes(sign, &a.line, &b.line);
+            self.add_rest_of_product(sign, a, b, lost);
         }
     }
 
@@ -184,7 +250,7 @@ impl<'r> FormSum for QuadraticSum<'r> {
             self.line.note_room(&b.line);
         }
         let bends = match b.slopes.span() == span {
-            true => self.widen(span),
+            true => self.widen(packed_length(span)),
             false => None,
         };
         let Some(bends) = bends else {
@@ -194,8 +260,9 @@ impl<'r> FormSum for QuadraticSum<'r> {
         // All products of slopes together; numbers have none.
         add_symmetric_products(bends, &a.slopes, &b.slopes);
         for (a, b) in pairs() {
-            if !self.has_added_number(a, b) {
-                self.add_rest_of_product(a, b, 0.0);
+            if !self.has_added_number(Sign::Plus, a, b) {
+                let lost = self.add_products_with_bends(Sign::Plus, a, b);
+                self.add_rest_of_product(Sign::Plus, a, b, lost);
             }
         }
     }
