@@ -170,10 +170,11 @@ pub fn add_combinations(
         return;
     }
     // All lists side by side, filled up with zeros.
-    let mut packed = Vec::with_capacity(length.div_ceil(LANES) * count);
-    for at in (0..length).step_by(LANES) {
-        packed.extend(lists.iter().map(|list| lanes_at(list, at)));
-    }
+    let mut packed = vec![[0.0; LANES]; length.div_ceil(LANES) * count];
+    Arch::new().dispatch(SideBySide {
+        packed: &mut packed,
+        lists,
+    });
     let mut by_row = vec![[0.0; ROWS]; count];
     for (rows, factors) in sums.chunks_mut(ROWS).zip(factors.chunks(ROWS * count)) {
         for (r, factors) in factors.chunks_exact(count).enumerate() {
@@ -190,13 +191,28 @@ pub fn add_combinations(
     }
 }
 
-/// The coefficients of a list from one on; behind its end are zeros.
-#[inline]
-fn lanes_at(list: &[f64], at: usize) -> Lanes {
-    let rest = list.get(at..).unwrap_or(&[]);
-    match rest.first_chunk::<LANES>() {
-        Some(lanes) => *lanes,
-        None => std::array::from_fn(|i| rest.get(i).copied().unwrap_or(0.0)),
+/// Lists that are copied beside each other.
+struct SideBySide<'a, 'l> {
+    packed: &'a mut [Lanes],
+    lists: &'a [&'l [f64]],
+}
+
+impl WithSimd for SideBySide<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let count = self.lists.len();
+        for (k, list) in self.lists.iter().enumerate() {
+            let (whole, rest) = list.as_chunks::<LANES>();
+            let mut places = self.packed[k..].iter_mut().step_by(count);
+            for (lanes, place) in whole.iter().zip(places.by_ref()) {
+                *place = *lanes;
+            }
+            if let (false, Some(place)) = (rest.is_empty(), places.next()) {
+                place[..rest.len()].copy_from_slice(rest);
+            }
+        }
     }
 }
 
@@ -414,3 +430,6 @@ fn to_diagonal(both: &Lanes, once: &Lanes, diagonal: usize) -> Lanes {
         Ordering::Greater => 0.0,
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -39,7 +39,10 @@ impl<S: Scalar> AllSlots<S> {
 
     fn value(&self, mechanism: &Mechanism, slot: usize) -> Option<S> {
         let known = self.coordinates.get(slot);
-        let all = || self.observed.get_or_init(|| observed_slots(mechanism, &self.coordinates));
+        let all = || {
+            self.observed
+                .get_or_init(|| observed_slots(mechanism, &self.coordinates))
+        };
         known.or_else(|| all().get(slot)).copied()
     }
 }

@@ -285,7 +285,9 @@ impl Centre {
         let sizes = self.solved_columns(mapped, box_of, |i, k| g(i, k).magnitude());
         let span = m.min(self.span);
         let rows = mapped.entries.chunks_exact(n.max(1));
-        let rows: Vec<_> = rows.map(|row| F::Sum::factors(row.to_vec(), span)).collect();
+        let rows: Vec<_> = rows
+            .map(|row| F::Sum::factors(row.to_vec(), span))
+            .collect();
         for k in 0..span {
             let once = column(&|i| sizes[i * m + k]);
             let twice = mapped.a.times(&once);

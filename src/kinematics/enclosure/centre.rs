@@ -2,13 +2,13 @@
 
 use super::block_box::BlockBox;
 use super::form::DimensionForm;
-use crate::numbers::form_sum::FormSum;
 use super::mapped::{Contraction, Mapped};
 use super::region::Region;
 use super::rows::{Layout, Rows};
 use crate::kinematics::results::certificate::Reason;
 use crate::linalg::gauss_jordan::GaussJordan;
 use crate::linalg::lanes::LaneMatrix;
+use crate::numbers::form_sum::FormSum;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::{Ring, Scalar};
@@ -141,7 +141,9 @@ impl Centre {
             .map(|k| F::Sum::new(if k / n == k % n { -1.0 } else { 0.0 }))
             .collect();
         for column in 0..n {
-            let of_column = basis.iter().map(|row| &rows.jacobian[row * columns + column]);
+            let of_column = basis
+                .iter()
+                .map(|row| &rows.jacobian[row * columns + column]);
             let of_column: Vec<&F> = of_column.collect();
             let mut sums: Vec<&mut F::Sum> = sums.iter_mut().skip(column).step_by(n).collect();
             F::Sum::add_scaled_to_all(&mut sums, &self.inverse, &of_column);
@@ -192,7 +194,9 @@ impl Centre {
         }
         let by_place = (0..n * span).map(|place| of(place % n, place / n));
         let columns: Vec<f64> = by_place.collect();
-        let rows = sums.chunks_exact_mut(span.max(1)).zip(entries.chunks_exact(n.max(1)));
+        let rows = sums
+            .chunks_exact_mut(span.max(1))
+            .zip(entries.chunks_exact(n.max(1)));
         for (sums, entries) in rows {
             let mut sums: Vec<&mut F::Sum> = sums.iter_mut().collect();
             let entries: Vec<&F> = entries.iter().collect();

@@ -123,7 +123,10 @@ impl<'r> FormSum for AffineSum<'r> {
     }
 
     fn add_scaled_to_all(sums: &mut [&mut Self], factors: &[f64], forms: &[&AffineForm<'r>]) {
-        for (sum, factors) in sums.iter_mut().zip(factors.chunks_exact(forms.len().max(1))) {
+        for (sum, factors) in sums
+            .iter_mut()
+            .zip(factors.chunks_exact(forms.len().max(1)))
+        {
             let terms = factors.iter().zip(forms);
             terms.for_each(|(factor, form)| sum.add_scaled_value(*factor, form));
         }

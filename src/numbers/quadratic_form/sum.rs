@@ -56,12 +56,7 @@ impl<'r> QuadraticSum<'r> {
     }
 
     /// Adds the terms of second order from the slopes of both factors; returns a bound of what finds no space.
-    fn add_product_of_slopes(
-        &mut self,
-        sign: Sign,
-        a: &AffineForm<'r>,
-        b: &AffineForm<'r>,
-    ) -> f64 {
+    fn add_product_of_slopes(&mut self, sign: Sign, a: &AffineForm<'r>, b: &AffineForm<'r>) -> f64 {
         let (x, y) = (a.slopes(), b.slopes());
         if x.is_empty() || y.is_empty() {
             return 0.0;
@@ -208,12 +203,20 @@ impl<'r> FormSum for QuadraticSum<'r> {
         let mut of_lines: Vec<&mut AffineSum<'r>> =
             sums.iter_mut().map(|sum| &mut sum.line).collect();
         AffineSum::add_scaled_to_all(&mut of_lines, factors, &lines);
-        for (sum, factors) in sums.iter_mut().zip(factors.chunks_exact(forms.len().max(1))) {
+        for (sum, factors) in sums
+            .iter_mut()
+            .zip(factors.chunks_exact(forms.len().max(1)))
+        {
             let terms = factors.iter().zip(forms);
             terms.for_each(|(factor, form)| sum.add_scaled_value(*factor, form));
         }
         // Lists of those that have some.
-        let bent = || forms.iter().enumerate().filter(|(_, form)| form.bend != 0.0);
+        let bent = || {
+            forms
+                .iter()
+                .enumerate()
+                .filter(|(_, form)| form.bend != 0.0)
+        };
         let lists: Vec<&[f64]> = bent().map(|(_, form)| form.bends).collect();
         let length = lists.iter().map(|list| list.len()).max().unwrap_or(0);
         if length == 0 {
