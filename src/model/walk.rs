@@ -9,7 +9,7 @@ use super::fixed::{FixedPose, PoseError};
 use crate::math::Pose;
 use crate::numbers::constant::Constant;
 use crate::numbers::rounding::DECIMAL;
-use crate::numbers::scalar::Ring;
+use crate::numbers::scalar::{Ring, Sign};
 use glam::{DMat3, DVec3};
 
 /// The state carried along a chain: a frame, in some arithmetic, that every step moves along its own axes.
@@ -184,8 +184,11 @@ impl<S: Ring> Carried for WalkFrame<S> {
         let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
         let (sin, cos) = (by.sin.scale(sign), by.cos);
         let (a, b) = (self.axes[i], self.axes[j]);
-        self.axes[i] = [0, 1, 2].map(|k| a[k] * cos + b[k] * sin);
-        self.axes[j] = [0, 1, 2].map(|k| b[k] * cos - a[k] * sin);
+        let (plus, minus) = (Sign::Plus, Sign::Minus);
+        self.axes[i] =
+            [0, 1, 2].map(|k| S::signed_products([(plus, a[k], cos), (plus, b[k], sin)]));
+        self.axes[j] =
+            [0, 1, 2].map(|k| S::signed_products([(plus, b[k], cos), (minus, a[k], sin)]));
     }
 }
 

@@ -2,6 +2,9 @@
 
 use std::cell::{Cell, OnceCell, RefCell};
 
+/// Coefficients that are processed together.
+pub const LANES: usize = 8;
+
 /// Lists of coefficients for this many δ. They are given up together, and their memory is used again.
 #[derive(Debug, Default)]
 pub struct FormRoom {
@@ -42,7 +45,7 @@ impl FormRoom {
     pub fn empty(&mut self, count: usize) {
         self.count = count;
         self.slopes.empty(count);
-        self.bends.empty(pair_count(count));
+        self.bends.empty(packed_length(count));
     }
 
     /// How many numbers forms change with.
@@ -55,20 +58,23 @@ impl FormRoom {
         &self.slopes
     }
 
-    /// Lists of second order: one value for every pair, each number with itself among them.
+    /// Lists of second order: one value for every pair, each number with itself among them, column after column down to the
+    /// diagonal. Columns begin at multiples of [`LANES`]; what fills them up is zero.
     pub fn bends(&self) -> &CoefficientLists {
         &self.bends
     }
 
     /// Index of the pair (k, l), k ≤ l, in a packed list.
     pub fn place(k: usize, l: usize) -> usize {
-        pair_count(l) + k
+        packed_length(l) + k
     }
 }
 
-/// Number of pairs of so many numbers, each with itself among them: the length of a packed list.
-pub fn pair_count(numbers: usize) -> usize {
-    numbers * (numbers + 1) / 2
+/// Length of the list of all pairs of so many numbers: where the column of the next number begins.
+pub fn packed_length(numbers: usize) -> usize {
+    // Groups of columns are equally long: 1, 2, 3 … times the lanes.
+    let (groups, more) = (numbers / LANES, numbers % LANES);
+    LANES * (groups + 1) * (LANES / 2 * groups + more)
 }
 
 impl CoefficientLists {
@@ -89,6 +95,14 @@ impl CoefficientLists {
         let mut list = self.spare.borrow_mut().pop().unwrap_or_default();
         list.clear();
         list.reserve_exact(self.length);
+        list
+    }
+
+    /// A list of so many values, which mean nothing yet.
+    pub fn unset(&self, length: usize) -> Vec<f64> {
+        let mut list = self.spare.borrow_mut().pop().unwrap_or_default();
+        list.reserve_exact(self.length.saturating_sub(list.len()));
+        list.resize(length, 0.0);
         list
     }
 
@@ -127,15 +141,20 @@ mod tests {
     fn lists_stay_where_they_are() {
         let room = FormRoom::new(2);
         let kept: Vec<&[f64]> = (0..MANY)
-            .filter_map(|k| room.bends().keep(vec![k as f64; 3]))
+            .filter_map(|k| room.bends().keep(vec![k as f64; 24]))
             .collect();
         assert_eq!(kept.len(), MANY);
         for (k, list) in kept.iter().enumerate() {
-            assert_eq!(*list, [k as f64; 3]);
+            assert_eq!(*list, [k as f64; 24]);
         }
-        let pairs = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
-        let places = pairs.map(|(k, l)| FormRoom::place(k, l));
-        assert_eq!(places, [0, 1, 2, 3, 4, 5]);
+        let mut next = 0;
+        for l in 0..4 * LANES {
+            for k in 0..=l {
+                assert_eq!(FormRoom::place(k, l), next + k);
+            }
+            // A column with its diagonal, filled up.
+            next += (l + 1).next_multiple_of(LANES);
+        }
     }
 
     #[test]
@@ -143,7 +162,7 @@ mod tests {
         let mut room = FormRoom::new(3);
         let addresses = |room: &FormRoom, value: f64| {
             let lists = [
-                (room.bends(), room.count() * (room.count() + 1) / 2),
+                (room.bends(), packed_length(room.count())),
                 (room.slopes(), room.count()),
             ];
             let kept = (0..MANY).flat_map(|_| lists).filter_map(|(lists, length)| {

@@ -12,6 +12,7 @@ pub mod form_room;
 pub mod form_sum;
 pub mod hyper_dual;
 pub mod interval;
+mod lists;
 pub mod octet;
 mod octet_sin_cos;
 pub mod quadratic_form;

@@ -5,9 +5,10 @@
 //! Second-order coefficients are packed in a [`FormRoom`], column after column down to the diagonal, so that a form that
 //! depends on the first numbers only has a short list.
 
-use super::affine_form::{AffineForm, add_list, sum_of_magnitudes};
-use super::form_room::{FormRoom, pair_count};
+use super::affine_form::AffineForm;
+use super::form_room::{FormRoom, packed_length};
 use super::interval::Interval;
+use super::lists::{add_long_list, long_sum_of_magnitudes};
 use super::rounding::{GROW, OPERATION, UNDERFLOW};
 use super::scalar::Scalar;
 
@@ -53,7 +54,7 @@ impl<'r> QuadraticForm<'r> {
     /// The same with these second-order coefficients, packed; without space they go into the error.
     pub fn bent(self, bends: Vec<f64>) -> Self {
         let mut line = self.line;
-        let bend = sum_of_magnitudes(&bends) * GROW;
+        let bend = long_sum_of_magnitudes(&bends) * GROW;
         if bend == 0.0 {
             if let Some(room) = line.room() {
                 room.bends().give_back(bends);
@@ -103,22 +104,22 @@ impl<'r> QuadraticForm<'r> {
     /// The same with everything that depends on numbers from `first` on moved into the error.
     pub fn folded(self, first: usize) -> Self {
         let line = self.line.folded(first);
-        let Some((kept, moved)) = self.bends.split_at_checked(pair_count(first)) else {
+        let Some((kept, moved)) = self.bends.split_at_checked(packed_length(first)) else {
             return Self { line, ..self };
         };
         let mut folded = Self {
             line,
             bends: kept,
-            bend: sum_of_magnitudes(kept) * GROW,
+            bend: long_sum_of_magnitudes(kept) * GROW,
         };
-        let beyond = sum_of_magnitudes(moved) * GROW;
+        let beyond = long_sum_of_magnitudes(moved) * GROW;
         folded.line.error = (folded.line.error + beyond) * GROW;
         folded
     }
 
     /// How many of the first numbers it depends on.
     pub fn span(&self) -> usize {
-        let bent = (0..).find(|span| pair_count(*span) >= self.bends.len());
+        let bent = (0..).find(|span| packed_length(*span) >= self.bends.len());
         self.line.slopes().len().max(bent.unwrap_or(0))
     }
 
@@ -155,8 +156,9 @@ impl<'r> QuadraticForm<'r> {
                     let others = &line.slopes()[..l];
                     bends.extend(others.iter().map(|other| -here * slope * other));
                     bends.push(-0.5 * here * slope * slope);
+                    bends.resize(packed_length(l + 1), 0.0);
                 }
-                add_list(&mut bends, rate, self.bends);
+                add_long_list(&mut bends, rate, self.bends);
             }
             Some(_) => {
                 bends = self.blank();

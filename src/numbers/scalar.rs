@@ -12,12 +12,47 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// product has as many roundings as its exponent says; larger powers need a positive base where they are bounded.
 pub const LARGEST_PRODUCT: f64 = 1024.0;
 
+/// How a term enters a sum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sign {
+    /// As it is.
+    Plus,
+    /// Negated.
+    Minus,
+}
+
+impl Sign {
+    /// ±1
+    pub fn factor(self) -> f64 {
+        match self {
+            Self::Plus => 1.0,
+            Self::Minus => -1.0,
+        }
+    }
+}
+
 /// Types with sums and products: enough for products of chains.
 pub trait Ring:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
     /// Exactly this number, constant.
     fn number(value: f64) -> Self;
+
+    /// The sum of products, each with its sign.
+    #[inline(always)]
+    fn signed_products<const N: usize>(terms: [(Sign, Self, Self); N]) -> Self {
+        let mut sum = None;
+        for (sign, a, b) in terms {
+            let product = a * b;
+            sum = Some(match (sum, sign) {
+                (None, Sign::Plus) => product,
+                (None, Sign::Minus) => -product,
+                (Some(sum), Sign::Plus) => sum + product,
+                (Some(sum), Sign::Minus) => sum - product,
+            });
+        }
+        sum.unwrap_or_else(|| Self::number(0.0))
+    }
 
     /// Product with an exact number.
     fn scale(self, factor: f64) -> Self {

@@ -4,6 +4,7 @@
 mod allowed;
 mod between;
 mod clearances;
+mod found_pieces;
 mod measures;
 mod motion;
 mod pieces;

@@ -1,6 +1,7 @@
 //! The bands at a pose. If the derivatives show at which corner of the tolerances a quantity has its extreme, that
 //! piece is solved and proved, and the band ends there, however loose the enclosure of all other pieces is.
 
+use super::found_pieces::FoundPieces;
 use super::plan::TolerancePlan;
 use crate::kinematics::abreast::anchor::AnchorPose;
 use crate::kinematics::abreast::closing::LaneSolver;
@@ -211,12 +212,13 @@ impl<'f> PieceFinder<'f> {
     fn bands_in(&mut self, room: &FormRoom, pose: &[f64]) -> Result<Bands, BandObstacle> {
         let anchor = AnchorPose::new(self.plan.family.system(), pose);
         let anchor = anchor.as_ref();
+        let mut found = FoundPieces::default();
         // The plain enclosure first; the refined one costs several times as much.
         let Ok((plain, is_rough)) = self.enclosed_plainly(pose, room) else {
             let enclosure = self.enclosed(pose, room)?;
-            return Ok(self.bands_within(&enclosure, anchor));
+            return Ok(self.bands_within(&enclosure, anchor, &mut found));
         };
-        let mut bands = self.bands_within(&plain, anchor);
+        let mut bands = self.bands_within(&plain, anchor, &mut found);
         let size = self.plan.family.mechanism().size;
         let sharp =
             |band: &ValueBand| is_sharp([band.lo, band.hi], band.found, band.nominal.abs() + size);
@@ -226,7 +228,7 @@ impl<'f> PieceFinder<'f> {
             }
             // All of them enclose all pieces, so that their intersection does.
             let enclosure = self.refined(&plain, room, rounds);
-            let refined = self.bands_within(&enclosure, anchor);
+            let refined = self.bands_within(&enclosure, anchor, &mut found);
             for (band, other) in bands.list.iter_mut().zip(&refined.list) {
                 *band = band.narrowed(other);
             }
@@ -234,8 +236,13 @@ impl<'f> PieceFinder<'f> {
         Ok(bands)
     }
 
-    /// Bands from an enclosure and the pieces at their ends.
-    fn bands_within(&mut self, enclosure: &PoseEnclosure, anchor: Option<&AnchorPose>) -> Bands {
+    /// Bands from an enclosure and the pieces at their ends, among which are those `found` in other enclosures of the pose.
+    fn bands_within(
+        &mut self,
+        enclosure: &PoseEnclosure,
+        anchor: Option<&AnchorPose>,
+        found: &mut FoundPieces,
+    ) -> Bands {
         let mechanism = self.plan.family.mechanism();
         let unknowns = 0..mechanism.unknowns.len();
         let shown = unknowns.chain(mechanism.coordinate_count()..enclosure.len());
@@ -252,11 +259,10 @@ impl<'f> PieceFinder<'f> {
                 places.push(place);
             }
         }
+        let places = found.unknown(&places);
         let pieces = self.pieces(enclosure, &places, anchor);
-        let piece_at = |place: &[f64]| {
-            let index = places.iter().position(|known| *known == place)?;
-            pieces[index].as_deref()
-        };
+        found.add(&places, pieces);
+        let found = &*found;
         // What has no bound at δ = 0, at a jump say, has a value there.
         let middle = enclosure.middle();
         let band = |((slot, function), faces): (&(usize, QuadraticBound), &[BoxFace; 2])| {
@@ -264,15 +270,16 @@ impl<'f> PieceFinder<'f> {
                 true => function.value,
                 false => self.shown(&middle, *slot).unwrap_or(f64::NAN),
             };
-            let (mut found, mut ends) = ([nominal; 2], [None; 2]);
+            let (mut reached, mut ends) = ([nominal; 2], [None; 2]);
             for ((face, sign), end) in faces.iter().zip([-1.0, 1.0]).zip(&mut ends) {
-                let best = piece_at(&face.best).and_then(|piece| self.shown(piece, *slot));
+                let best = found.at(&face.best);
+                let best = best.and_then(|piece| piece.value(mechanism, *slot));
                 if let Some(value) = best.filter(|v| v.is_finite()) {
-                    found = [found[0].min(value), found[1].max(value)];
+                    reached = [reached[0].min(value), reached[1].max(value)];
                 }
-                let middle = piece_at(&face.middle)
-                    .and_then(|piece| self.encloser.piece(enclosure, &face.middle, piece))
-                    .and_then(|piece| self.shown(&piece, *slot));
+                let within = (self.encloser, enclosure);
+                let middle = found.at(&face.middle);
+                let middle = middle.and_then(|piece| piece.proved_value(mechanism, within, *slot));
                 let beyond = Interval::around_zero(face.beyond);
                 *end = middle
                     .map(|value| value + beyond)
@@ -290,9 +297,9 @@ impl<'f> PieceFinder<'f> {
             };
             ValueBand {
                 nominal,
-                lo: lo.min(found[0]),
-                hi: hi.max(found[1]),
-                found,
+                lo: lo.min(reached[0]),
+                hi: hi.max(reached[1]),
+                found: reached,
             }
         };
         Bands {

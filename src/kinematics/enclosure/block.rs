@@ -26,6 +26,7 @@ use super::rows::Layout;
 use crate::kinematics::results::certificate::Reason;
 use crate::model::mechanism::Mechanism;
 use crate::numbers::form_room::FormRoom;
+use crate::numbers::form_sum::FormSum;
 use crate::numbers::rounding::GROW;
 
 /// The first box, as a multiple of its image if the Jacobian varied as along the tangent.
@@ -268,7 +269,7 @@ impl Centre {
         let g = |i: usize, k: usize| &mapped.g[i * m + k];
         let column =
             |of: &dyn Fn(usize) -> f64| mapped.a.times(&(0..n).map(of).collect::<Vec<_>>());
-        let (minus, mut all) = (F::number(-1.0), vec![F::number(0.0); n * m]);
+        let mut all = vec![F::number(0.0); n * m];
         if !F::BENT {
             // |A G| and what follows from it.
             let moved: Vec<Vec<f64>> = (0..m).map(|k| column(&|i| g(i, k).radius())).collect();
@@ -282,13 +283,21 @@ impl Centre {
             return all.into_iter().map(|form| -form).collect();
         }
         let sizes = self.solved_columns(mapped, box_of, |i, k| g(i, k).magnitude());
-        for k in 0..m.min(self.span) {
+        let span = m.min(self.span);
+        let rows = mapped.entries.chunks_exact(n.max(1));
+        let rows: Vec<_> = rows
+            .map(|row| F::Sum::factors(row.to_vec(), span))
+            .collect();
+        for k in 0..span {
             let once = column(&|i| sizes[i * m + k]);
             let twice = mapped.a.times(&once);
+            let of_unknowns = mapped.g.iter().skip(k).step_by(m);
+            let by_unknown = F::Sum::factors(of_unknowns.copied().collect(), span);
             for i in 0..n {
-                let products = (0..n).map(|j| (&mapped.entries[i * n + j], g(j, k)));
-                let terms = std::iter::once((&minus, g(i, k))).chain(products);
-                all[i * m + k] = F::sum_of_products(terms).opened(twice[i]);
+                let mut sum = F::Sum::new(0.0);
+                sum.add_scaled(-1.0, g(i, k));
+                sum.add_products(&rows[i], &by_unknown);
+                all[i * m + k] = sum.finish().opened(twice[i]);
             }
         }
         all

@@ -8,6 +8,7 @@ use super::rows::{Layout, Rows};
 use crate::kinematics::results::certificate::Reason;
 use crate::linalg::gauss_jordan::GaussJordan;
 use crate::linalg::lanes::LaneMatrix;
+use crate::numbers::form_sum::FormSum;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::{Ring, Scalar};
@@ -81,7 +82,8 @@ impl Centre {
         // -R Fₖ with the values of the rates.
         let mut rates = vec![0.0; n * m];
         for (column, slot) in layout.slots.iter().enumerate().skip(n) {
-            for (k, rate) in region.rates_of(*slot).iter().enumerate() {
+            let moved = region.rates_of(*slot).iter().enumerate();
+            for (k, rate) in moved.filter(|(_, rate)| rate.nominal() != 0.0) {
                 for (l, row) in basis.iter().enumerate() {
                     let by_slot = entry(*row, column) * rate.nominal();
                     for i in 0..n {
@@ -135,17 +137,18 @@ impl Centre {
             return Err(Reason::Formula);
         }
         // A = R J - I with the inverse R at the centre, entry by entry: how far R J is from the identity.
-        let mut entries = Vec::with_capacity(n * n);
-        for i in 0..n {
-            for column in 0..n {
-                let of_column = basis
-                    .iter()
-                    .map(|row| &rows.jacobian[row * columns + column]);
-                let factors = self.inverse[i * n..][..n].iter().copied();
-                let start = if i == column { -1.0 } else { 0.0 };
-                entries.push(F::combination(start, factors.zip(of_column)));
-            }
+        let mut sums: Vec<F::Sum> = (0..n * n)
+            .map(|k| F::Sum::new(if k / n == k % n { -1.0 } else { 0.0 }))
+            .collect();
+        for column in 0..n {
+            let of_column = basis
+                .iter()
+                .map(|row| &rows.jacobian[row * columns + column]);
+            let of_column: Vec<&F> = of_column.collect();
+            let mut sums: Vec<&mut F::Sum> = sums.iter_mut().skip(column).step_by(n).collect();
+            F::Sum::add_scaled_to_all(&mut sums, &self.inverse, &of_column);
         }
+        let entries: Vec<F> = sums.into_iter().map(F::Sum::finish).collect();
         // Magnitudes over all dimensions; the test needs |A| as a contraction.
         let a = Contraction(entries.iter().map(DimensionForm::magnitude).collect());
         Ok(Varying { rows, entries, a })
@@ -178,24 +181,36 @@ impl Centre {
             a,
             eta: self.newton.clone(),
         };
-        for i in 0..n {
+        // S + A S + R Fₖ, for the dimensions that the block depends on.
+        let span = m.min(self.span);
+        let of = |i: usize, k: usize| self.rates[i * m + k];
+        let mut sums: Vec<F::Sum> = (0..n * span)
+            .map(|place| F::Sum::new(of(place / span, place % span)))
+            .collect();
+        for k in 0..span {
+            let by_rows: Vec<&F> = by_dimension.iter().skip(k).step_by(m).collect();
+            let mut sums: Vec<&mut F::Sum> = sums.iter_mut().skip(k).step_by(span).collect();
+            F::Sum::add_scaled_to_all(&mut sums, &self.inverse, &by_rows);
+        }
+        let by_place = (0..n * span).map(|place| of(place % n, place / n));
+        let columns: Vec<f64> = by_place.collect();
+        let rows = sums
+            .chunks_exact_mut(span.max(1))
+            .zip(entries.chunks_exact(n.max(1)));
+        for (sums, entries) in rows {
+            let mut sums: Vec<&mut F::Sum> = sums.iter_mut().collect();
+            let entries: Vec<&F> = entries.iter().collect();
+            F::Sum::add_scaled_to_all(&mut sums, &columns, &entries);
+        }
+        let mut sums = sums.into_iter();
+        for eta in &mut mapped.eta {
             let mut open = 0.0;
-            for k in 0..m {
-                // The block does not depend on it.
-                if k >= self.span {
-                    mapped.g.push(zero);
-                    continue;
-                }
-                // S + A S + R Fₖ
-                let inverse = self.inverse[i * n..][..n].iter().copied();
-                let by_rows = inverse.zip(by_dimension.iter().skip(k).step_by(m));
-                let column = self.rates.iter().skip(k).step_by(m).copied();
-                let by_entries = column.zip(&entries[i * n..][..n]);
-                let g = F::combination(self.rates[i * m + k], by_rows.chain(by_entries));
+            for g in sums.by_ref().take(span).map(F::Sum::finish) {
                 open += g.nominal().abs() + 0.5 * g.radius() + g.beyond();
                 mapped.g.push(g.folded(self.span));
             }
-            mapped.eta[i] = (mapped.eta[i] + open) * GROW;
+            mapped.g.resize(mapped.g.len() + m - span, zero);
+            *eta = (*eta + open) * GROW;
         }
         if F::BENT {
             let folded = entries.into_iter().map(|entry| entry.folded(self.span));

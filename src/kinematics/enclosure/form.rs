@@ -1,7 +1,7 @@
 //! Enclosures of functions of the dimensions, to the first or the second order.
 
 use crate::numbers::affine_form::AffineForm;
-use crate::numbers::form_room::{FormRoom, pair_count};
+use crate::numbers::form_room::{FormRoom, packed_length};
 use crate::numbers::form_sum::SummedForm;
 use crate::numbers::quadratic_form::QuadraticForm;
 use crate::numbers::rounding::{GROW, OPERATION};
@@ -151,7 +151,7 @@ impl<'r> StoredForm<'r> for QuadraticForm<'r> {
             // Of a rate that is constant nothing comes.
             if !list.is_empty() {
                 let span = list.len().max(k + 1);
-                bends.resize(bends.len().max(pair_count(span)), 0.0);
+                bends.resize(bends.len().max(packed_length(span)), 0.0);
             }
             for (l, slope) in list.iter().enumerate() {
                 // ∂²f/∂k∂l comes from both rates: half from each.

@@ -178,15 +178,21 @@ impl QuadraticBound<'_> {
     fn climb(&self, sign: f64, at: &mut [Option<f64>]) {
         let open: Vec<usize> = (0..at.len()).filter(|k| at[*k].is_none()).collect();
         for _ in 0..ROUNDS {
+            let mut is_moved = false;
             for &k in &open {
                 let (linear, square) = (self.along(sign, k, at), sign * self.rates[k].slope(k));
                 let end = if linear < 0.0 { -1.0 } else { 1.0 };
                 // Along one axis the function is a parabola: its vertex, or the better end.
                 let inside = -linear / square;
-                at[k] = Some(match square < 0.0 && inside.abs() < 1.0 {
+                let best = Some(match square < 0.0 && inside.abs() < 1.0 {
                     true => inside,
                     false => end,
                 });
+                is_moved |= at[k] != best;
+                at[k] = best;
+            }
+            if !is_moved {
+                return;
             }
         }
     }

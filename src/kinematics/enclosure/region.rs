@@ -111,9 +111,13 @@ impl<F: DimensionForm> Region<'_, F> {
 
     /// Derivatives by every δ of a function of slots with this `gradient`.
     pub fn chain(&self, gradient: &[(usize, F)]) -> Vec<F> {
+        let is_known: Vec<bool> = gradient.iter().map(|(_, by)| by.is_finite()).collect();
         let along = |k: usize| {
-            let terms = gradient.iter();
-            F::sum_of_products(terms.map(|(slot, by_slot)| (by_slot, &self.rates_of(*slot)[k])))
+            let terms = gradient.iter().zip(&is_known);
+            let terms = terms.map(|((slot, by), known)| (by, &self.rates_of(*slot)[k], *known));
+            // What does not change with this one adds nothing.
+            let moved = terms.filter(|(_, rate, known)| !*known || rate.as_number() != Some(0.0));
+            F::sum_of_products(moved.map(|(by, rate, _)| (by, rate)))
         };
         (0..self.count).map(along).collect()
     }

@@ -8,7 +8,7 @@ use crate::model::chain::{ArgumentValue, ChainJoint, ChainStep, ElementaryMotion
 use crate::model::fixed::FixedPose;
 use crate::model::walk::{Carried, Triple, WalkFrame, add_vectors, walk_chain};
 use crate::numbers::constant::Constant;
-use crate::numbers::scalar::Scalar;
+use crate::numbers::scalar::{Scalar, Sign};
 use glam::DMat3;
 
 /// A joint on the way along a chain.
@@ -23,6 +23,8 @@ struct Noted<S> {
 struct Gathered<S> {
     frame: WalkFrame<S>,
     shift: Triple<S>,
+    /// Where it was at each rotation.
+    origins: Vec<Triple<S>>,
 }
 
 impl<S: Scalar> Gathered<S> {
@@ -31,6 +33,7 @@ impl<S: Scalar> Gathered<S> {
         Self {
             frame: WalkFrame::identity(),
             shift: about.map(|c| S::number(-c)),
+            origins: Vec::new(),
         }
     }
 
@@ -78,6 +81,7 @@ impl<S: Scalar> Carried for Gathered<S> {
 
     fn turn(&mut self, axis: usize, sign: f64, by: &Self::Argument) {
         self.gather_shifts();
+        self.origins.push(self.frame.origin);
         self.frame.turn(axis, sign, by);
     }
 }
@@ -102,13 +106,15 @@ impl<S: Scalar> ChainTwists<S> {
             joints.push(Noted {
                 joint,
                 axis: way.frame.axes[joint.axis].map(|c| c.scale(joint.sign)),
-                // The origin of a translation is irrelevant.
-                origin: match joint.motion {
-                    ElementaryMotion::Rotation => way.place(),
-                    ElementaryMotion::Translation => way.frame.origin,
-                },
+                // That of a translation is irrelevant; those of rotations follow.
+                origin: way.frame.origin,
             });
         });
+        let is_turn = |noted: &&mut Noted<S>| noted.joint.motion == ElementaryMotion::Rotation;
+        let turns = joints.iter_mut().filter(is_turn);
+        turns
+            .zip(&way.origins)
+            .for_each(|(noted, origin)| noted.origin = *origin);
         let end = way.back_to(about);
         let trace = end.axes[0][0] + end.axes[1][1] + end.axes[2][2];
         Self { end, joints, trace }
@@ -167,8 +173,14 @@ impl<S: Scalar> ChainTwists<S> {
     fn skew_rate(&self, a: Triple<S>) -> Triple<S> {
         let axes = &self.end.axes;
         [0, 1, 2].map(|k| {
-            let turned = axes[0][k] * a[0] + axes[1][k] * a[1] + axes[2][k] * a[2];
-            (self.trace * a[k] - turned).scale(0.5)
+            let (plus, minus) = (Sign::Plus, Sign::Minus);
+            S::signed_products([
+                (plus, self.trace, a[k]),
+                (minus, axes[0][k], a[0]),
+                (minus, axes[1][k], a[1]),
+                (minus, axes[2][k], a[2]),
+            ])
+            .scale(0.5)
         })
     }
 }
@@ -196,7 +208,7 @@ pub fn frame_about<S: Scalar>(
 fn cross_product<S: Scalar>(a: Triple<S>, b: Triple<S>) -> Triple<S> {
     [0, 1, 2].map(|k| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        a[i] * b[j] - a[j] * b[i]
+        S::signed_products([(Sign::Plus, a[i], b[j]), (Sign::Minus, a[j], b[i])])
     })
 }
 

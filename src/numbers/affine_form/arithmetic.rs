@@ -6,12 +6,18 @@ use crate::numbers::constant::Constant;
 use crate::numbers::form_sum::{FormSum, SummedForm};
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::{GROW, OPERATION, UNDERFLOW};
-use crate::numbers::scalar::{Ring, Scalar};
+use crate::numbers::scalar::{Ring, Scalar, Sign};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 impl Ring for AffineForm<'_> {
     fn number(value: f64) -> Self {
         Self::within(value, 0.0)
+    }
+
+    fn signed_products<const N: usize>(terms: [(Sign, Self, Self); N]) -> Self {
+        let is_none =
+            |a: &Self, b: &Self| a.is_zero() && b.is_finite() || b.is_zero() && a.is_finite();
+        Self::summed_products(terms, is_none)
     }
 
     #[inline]

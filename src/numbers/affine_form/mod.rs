@@ -10,6 +10,7 @@ pub(super) mod sum;
 
 use super::form_room::FormRoom;
 use super::interval::Interval;
+use super::lists::sum_of_magnitudes;
 use super::rounding::GROW;
 use super::scalar::Scalar;
 
@@ -26,33 +27,6 @@ pub struct AffineForm<'r> {
     radius: f64,
     /// Where results keep their slopes; a plain number needs nothing.
     room: Option<&'r FormRoom>,
-}
-
-/// Number of parallel partial sums: in a single sum every addition would wait for the previous one.
-const AT_ONCE: usize = 8;
-
-/// Σ |slope|, not rounded up.
-#[inline]
-pub(super) fn sum_of_magnitudes(slopes: &[f64]) -> f64 {
-    let (groups, rest) = slopes.as_chunks::<AT_ONCE>();
-    let mut parts = [0.0; AT_ONCE];
-    for group in groups {
-        for (part, slope) in parts.iter_mut().zip(group) {
-            *part += slope.abs();
-        }
-    }
-    let rest: f64 = rest.iter().map(|slope| slope.abs()).sum();
-    rest + parts.iter().sum::<f64>()
-}
-
-/// Adds `factor` times a list, which may be longer than the sum.
-#[inline]
-pub(super) fn add_list(sum: &mut Vec<f64>, factor: f64, list: &[f64]) {
-    let (own, more) = list.split_at(sum.len().min(list.len()));
-    for (sum, added) in sum.iter_mut().zip(own) {
-        *sum += factor * added;
-    }
-    sum.extend(more.iter().map(|added| factor * added));
 }
 
 /// A list without the zeros at its end.

@@ -5,13 +5,21 @@ use crate::numbers::affine_form::AffineForm;
 use crate::numbers::constant::Constant;
 use crate::numbers::form_sum::SummedForm;
 use crate::numbers::interval::Interval;
+use crate::numbers::lists::add_long_list;
 use crate::numbers::rounding::{GROW, OPERATION};
-use crate::numbers::scalar::{Ring, Scalar};
+use crate::numbers::scalar::{Ring, Scalar, Sign};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 impl Ring for QuadraticForm<'_> {
     fn number(value: f64) -> Self {
         Self::from(AffineForm::within(value, 0.0))
+    }
+
+    fn signed_products<const N: usize>(terms: [(Sign, Self, Self); N]) -> Self {
+        let is_zero = |form: &Self| form.is_number() && form.line.value == 0.0;
+        let is_none =
+            |a: &Self, b: &Self| is_zero(a) && b.is_finite() || is_zero(b) && a.is_finite();
+        Self::summed_products(terms, is_none)
     }
 
     fn scale(self, factor: f64) -> Self {
@@ -162,8 +170,7 @@ impl Add for QuadraticForm<'_> {
         };
         let mut bends = longer.blank();
         bends.extend_from_slice(longer.bends);
-        let pairs = bends.iter_mut().zip(shorter.bends);
-        pairs.for_each(|(sum, added)| *sum += added);
+        add_long_list(&mut bends, 1.0, shorter.bends);
         let mut sum = Self::from(line).bent(bends);
         // Rounding of every sum of second-order terms.
         sum.line.error = (sum.line.error + OPERATION * (self.bend + b.bend)) * GROW;

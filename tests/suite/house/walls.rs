@@ -10,7 +10,7 @@ struct Wall {
     rooms: &'static [&'static str],
 }
 
-const WALLS: [Wall; 25] = [
+const WALLS: [Wall; 26] = [
     Wall {
         words: &["nix::"],
         rooms: &["cli/program.rs"],
@@ -32,6 +32,10 @@ const WALLS: [Wall; 25] = [
             "numbers/",
             "kinematics/",
         ],
+    },
+    Wall {
+        words: &["pulp::"],
+        rooms: &["numbers/lists.rs"],
     },
     Wall {
         words: &["parry3d_f64::"],
