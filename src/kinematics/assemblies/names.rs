@@ -7,7 +7,7 @@ use crate::kinematics::ball::joint::Ball;
 use crate::kinematics::loops::forward::closure_error;
 use crate::kinematics::solve::branch::BranchWatch;
 use crate::kinematics::solve::newton::Corrector;
-use crate::kinematics::solve::random_starts::CLOSED;
+use crate::kinematics::solve::closure::closes;
 use crate::kinematics::solve::turns::WholeTurns;
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::{Kind, Mechanism};
@@ -176,7 +176,7 @@ impl ModeGroup {
             let mut other = self.coordinates.clone();
             ball.rename(&mut other);
             wrap_angles(mechanism, &mut other);
-            if closure_error(mechanism, &other) > CLOSED || !alike(&other, &self.coordinates) {
+            if !closes(mechanism, &other) || !alike(&other, &self.coordinates) {
                 continue;
             }
             renamed.push(index);

@@ -5,11 +5,11 @@ use super::names::{ModeGroup, Modes, StartKind, StartResults, describe_mode};
 use super::sets::{Continuum, lost_rank};
 use super::walk::{WIDEST, branch_neighbours};
 use crate::jobs::{core_count, share_work};
-use crate::kinematics::loops::forward::closure_error;
 use crate::kinematics::solve::assembly::assemble_pose;
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::solve::pose_solver::PoseSolver;
-use crate::kinematics::solve::random_starts::{CLOSED, start_values};
+use crate::kinematics::solve::closure::closes;
+use crate::kinematics::solve::random_starts::start_values;
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::Kind;
 use std::collections::VecDeque;
@@ -342,6 +342,6 @@ fn search_closures(
     meant
         .into_iter()
         .chain(others)
-        .filter(|pose| closure_error(mechanism, pose) <= CLOSED)
+        .filter(|pose| closes(mechanism, pose))
         .collect()
 }

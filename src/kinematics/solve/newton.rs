@@ -3,7 +3,7 @@
 //! A correction ends with an evaluation of the pose that it returns. That linearisation is kept, with its factors and
 //! its inverse once they are needed, so that tangent, prediction, rank and branch sign of the pose share it.
 
-use super::closure::is_closed;
+use super::closure::{is_closed, is_rounding};
 use super::linearisation::{Linearisation, REFINEMENTS};
 use crate::kinematics::structure::system::System;
 use crate::linalg::lanes::LaneMatrix;
@@ -126,6 +126,10 @@ impl Corrector {
                 break;
             }
             if iterations == most {
+                // Far from the origin rounding leaves more.
+                if is_rounding(mechanism, block, coordinates, &buffers.workspace.residual) {
+                    break;
+                }
                 return Correction::failed(iterations, first_step);
             }
             iterations += 1;
@@ -135,6 +139,11 @@ impl Corrector {
             }
             let shrinking = size <= contraction * last_step || at_floor;
             if !size.is_finite() || !shrinking {
+                // A pose that rounding does not let come nearer stays as it is.
+                let residual = &buffers.workspace.residual;
+                if size.is_finite() && is_rounding(mechanism, block, coordinates, residual) {
+                    break;
+                }
                 return Correction::failed(iterations, first_step);
             }
             buffers.take_step(block, coordinates);
@@ -144,7 +153,7 @@ impl Corrector {
         }
         let residual = buffers.workspace.residual_norm();
         Correction {
-            converged: is_closed(mechanism, block, coordinates, residual),
+            converged: is_closed(mechanism, block, coordinates, &buffers.workspace),
             iterations,
             first_step,
             residual,

@@ -10,10 +10,6 @@ const REACH: f64 = 2.0;
 /// Start values of unknowns that stand in equations alone reach this many of their magnitudes.
 const FAR: f64 = 1e6;
 
-/// Largest closure error of an assembly that counts. Rounding leaves about 1e-15; a start that stopped beside a
-/// pose leaves far more.
-pub const CLOSED: f64 = 1e-12;
-
 /// Start values and inputs: the given ones for start 0, else random numbers that depend on the start's number only.
 pub fn start_values(mechanism: &Mechanism, first: &[f64], start: usize) -> Vec<f64> {
     if start == 0 {

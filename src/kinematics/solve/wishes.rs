@@ -9,9 +9,9 @@
 use super::assembly::{Assembled, NotClosed, assemble_pose, close_block};
 use super::descent::Descent;
 use super::newton::{Corrector, Pace};
-use super::random_starts::{CLOSED, start_values};
+use super::closure::closes;
+use super::random_starts::start_values;
 use super::turns::WholeTurns;
-use crate::kinematics::loops::forward::closure_error;
 use crate::kinematics::structure::block::{Block, block_of};
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::{Kind, Mechanism};
@@ -198,7 +198,7 @@ fn spelled_poses(system: &System, pose: Vec<f64>) -> Vec<Vec<f64>> {
         let mut held = system.structure().held.iter();
         let is_kept = held.all(|held| other[held.unknown] == all[0][held.unknown]);
         // The second set of angles must leave held coordinates and the closure as they are.
-        if is_kept && closure_error(system.mechanism(), &other) <= CLOSED {
+        if is_kept && closes(system.mechanism(), &other) {
             all.push(other);
         }
     }
