@@ -64,7 +64,8 @@ impl Equation {
         })
     }
 
-    fn summand(&self, pose: &[f64]) -> f64 {
+    /// The magnitude of its largest summand at a pose, constants among them.
+    pub fn summand(&self, pose: &[f64]) -> f64 {
         let mut values = Vec::new();
         self.expression.value_with(pose, &mut values);
         let mut largest = 0.0;

@@ -144,13 +144,16 @@ pub(super) fn hold_beside_terms(mechanism: &Mechanism, block: &Block, coordinate
         let equation = &mechanism.equations[*index];
         // What other blocks and drives have rounded.
         let slots = equation.expression.slots().into_iter();
-        let given = slots.filter(|slot| !block.unknowns.contains(slot) && coordinates[*slot] != 0.0);
+        let given =
+            slots.filter(|slot| !block.unknowns.contains(slot) && coordinates[*slot] != 0.0);
         let given: Vec<usize> = given.collect();
         let known = match given[..] {
             [] => 0.0,
             _ => {
                 let slopes = equation.expression.gradient(coordinates);
-                let moved = given.iter().map(|slot| slopes[*slot] * mechanism.scale_of(*slot));
+                let moved = given
+                    .iter()
+                    .map(|slot| slopes[*slot] * mechanism.scale_of(*slot));
                 ROUNDED * moved.map(f64::abs).sum::<f64>()
             }
         };
@@ -161,8 +164,9 @@ pub(super) fn hold_beside_terms(mechanism: &Mechanism, block: &Block, coordinate
 /// Whether the value of an equation is rounding beside its terms, or less than `known`.
 fn holds_beside_terms(equation: &Equation, coordinates: &[f64], known: f64) -> bool {
     let value = equation.expression.value(coordinates).abs();
-    let terms = equation.largest_summand(&mut coordinates.to_vec());
+    let terms = equation.summand(coordinates);
     let rounding = SPACINGS_OF_TERMS * f64::EPSILON * equation.sensitive_terms(coordinates);
+    let rounding = rounding.min(COARSEST * terms);
     // Terms that are no numbers any more, exp(-800), say nothing.
     let is_sunk = value == 0.0 && !terms.is_normal() && equation.sinks(coordinates);
     !is_sunk && value <= (CLOSED * terms).max(rounding).max(known)

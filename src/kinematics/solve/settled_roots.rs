@@ -30,6 +30,7 @@ pub(super) fn settle_block(mechanism: &Mechanism, block: &Block, coordinates: &m
     if block.unknowns.is_empty() || hold_beside_terms(mechanism, block, coordinates) {
         return true;
     }
+    let before: Vec<f64> = coordinates.to_vec();
     let mut path = Steps::default();
     let mut last: Option<f64> = None;
     for _ in 0..MOST_STEPS {
@@ -43,10 +44,23 @@ pub(super) fn settle_block(mechanism: &Mechanism, block: &Block, coordinates: &m
         };
         // The geometric series of all further steps.
         let left = length / (1.0 - ratio);
-        let is_there = ratio <= SLOWEST && left <= REACHED;
+        let is_there =
+            ratio <= SLOWEST && left <= REACHED || path.is_lost(mechanism, block, coordinates);
         let jumps = (SLOW..=SLOWEST).contains(&ratio);
-        path.take(mechanism, block, coordinates, if jumps { left / length } else { 1.0 });
-        if is_there || !is_there && hold_beside_terms(mechanism, block, coordinates) {
+        path.take(
+            mechanism,
+            block,
+            coordinates,
+            if jumps { left / length } else { 1.0 },
+        );
+        if is_there || hold_beside_terms(mechanism, block, coordinates) {
+            // A pose that was closed to rounding keeps its digits.
+            let moved = |slot: &usize| {
+                (coordinates[*slot] - before[*slot]).abs() / mechanism.scale_of(*slot)
+            };
+            if block.unknowns.iter().all(|slot| moved(slot) <= REACHED) {
+                coordinates.copy_from_slice(&before);
+            }
             return true;
         }
         // After a jump the steps begin anew.
@@ -89,6 +103,15 @@ impl Steps {
         let length = self.step.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
         let is_sound = self.step.iter().all(|s| s.is_finite());
         is_sound.then_some(length)
+    }
+
+    /// Whether the last step is less than the rounding of every unknown that it would move.
+    fn is_lost(&self, mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> bool {
+        let mut steps = block.unknowns.iter().zip(&self.step);
+        steps.all(|(slot, step)| {
+            let moved = step.abs() * mechanism.scale_of(*slot);
+            moved <= f64::EPSILON * coordinates[*slot].abs()
+        })
     }
 
     fn take(&self, mechanism: &Mechanism, block: &Block, coordinates: &mut [f64], share: f64) {
