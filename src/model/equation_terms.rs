@@ -1,6 +1,6 @@
 //! The magnitude of an equation's terms at a pose: what its value is to be compared with.
 
-use super::expression::Op;
+use super::expression::{Function, Op};
 use super::mechanism::Equation;
 
 /// Magnitudes that differ by more than this factor are not of one kind: it is more than any low power makes of a factor of two.
@@ -35,7 +35,37 @@ impl Equation {
         self.summand(pose).max(self.terms(pose))
     }
 
-    fn summand(&self, pose: &[f64]) -> f64 {
+    /// The magnitudes of all intermediate results, each times the rate at which the value follows it: times the relative error of
+    /// numbers, how much rounding can change the value.
+    pub fn sensitive_terms(&self, pose: &[f64]) -> f64 {
+        let (mut values, mut rates) = (Vec::new(), Vec::new());
+        let mut gradient = vec![0.0; pose.len()];
+        let formula = &self.expression;
+        formula.add_gradient(pose, 1.0, &mut gradient, &mut values, &mut rates);
+        let terms = values.iter().zip(&rates);
+        terms
+            .map(|(value, rate)| finite_or_zero(value * rate))
+            .sum()
+    }
+
+    /// Whether a product, quotient, power or exponential at a pose is too small for a number.
+    pub fn sinks(&self, pose: &[f64]) -> bool {
+        let mut values = Vec::new();
+        self.expression.value_with(pose, &mut values);
+        let ops = self.expression.ops().iter();
+        ops.zip(&values).any(|(op, value)| {
+            let from: &[usize] = match op {
+                Op::Multiply(a, b) => &[*a, *b],
+                Op::Divide(a, _) | Op::Power(a, _) => &[*a],
+                Op::Call(Function::Exp, ..) => &[],
+                _ => return false,
+            };
+            !value.is_normal() && value.is_finite() && from.iter().all(|k| values[*k] != 0.0)
+        })
+    }
+
+    /// The magnitude of its largest summand at a pose, constants among them.
+    pub fn summand(&self, pose: &[f64]) -> f64 {
         let mut values = Vec::new();
         self.expression.value_with(pose, &mut values);
         let mut largest = 0.0;

@@ -10,6 +10,7 @@ use super::rate::{MAX_ORDER, RatedFormula};
 use super::shape::Shape;
 use crate::numbers::constant::Constant;
 use glam::DVec3;
+use std::collections::BTreeSet;
 
 /// A joint coordinate: an unknown or an input.
 #[derive(Clone, Debug, PartialEq)]
@@ -320,6 +321,17 @@ impl Mechanism {
     /// Scale of a coordinate (unknowns, then inputs): its loops' unit for a length, its magnitude for a number, else one.
     pub fn scale_of(&self, slot: usize) -> f64 {
         self.scales.get(slot).copied().unwrap_or(1.0)
+    }
+
+    /// Unknown angles whose turns an equation counts, since they stand in it outside of sines and cosines.
+    pub fn counted_angles(&self) -> BTreeSet<usize> {
+        let equations = self.equations.iter();
+        let slots = equations.flat_map(|e| e.expression.slots_outside_waves());
+        let is_angle = |slot: &usize| {
+            let unknown = self.unknowns.get(*slot);
+            unknown.is_some_and(|unknown| unknown.kind == Kind::Angle)
+        };
+        slots.filter(is_angle).collect()
     }
 
     /// What a coordinate (unknowns, then inputs) measures.

@@ -4,7 +4,7 @@ use super::sentences::counted_things;
 use crate::kinematics::assemblies::{Mode, Modes, StartKind, UNSEEN};
 use crate::kinematics::structure::block::slot_names;
 use crate::kinematics::structure::system::System;
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Kind, Mechanism};
 
 /// `40 placements of `plate``, and which of them are not isolated.
 pub fn modes_headline(mechanism: &Mechanism, modes: &Modes) -> String {
@@ -57,6 +57,7 @@ pub fn mode_remarks(system: &System, modes: &Modes) -> Vec<String> {
         ),
         search_worth(modes),
     ];
+    lines.extend(search_range(system.mechanism(), modes));
     if modes.list.iter().any(|m| m.is_scene) {
         lines.push("* is where the scene's start values lead.".to_owned());
     }
@@ -132,6 +133,28 @@ fn search_worth(modes: &Modes) -> String {
         ));
     }
     text
+}
+
+/// How far the random starts reached where no link says how far there may be assemblies.
+fn search_range(mechanism: &Mechanism, modes: &Modes) -> Option<String> {
+    let reaches = modes.reaches.iter().map(|(slot, reach)| {
+        let unknown = &mechanism.unknowns[*slot];
+        let (value, unit) = match unknown.kind {
+            Kind::Angle => {
+                let unit = &mechanism.angle_unit;
+                (reach / unit.radians.number(), format!(" {}", unit.name))
+            }
+            Kind::Length => (*reach, format!(" {}", mechanism.length_unit)),
+            Kind::Number => (*reach, String::new()),
+        };
+        format!("`{}` up to {value:.1e}{unit}", unknown.name)
+    });
+    let list = reaches.collect::<Vec<_>>().join(", ");
+    (!list.is_empty()).then(|| {
+        format!(
+            "Random starts took {list} from zero: the estimate says nothing of what is farther out, or of roots that lie far closer together."
+        )
+    })
 }
 
 /// That ball joints have two sets of angles.

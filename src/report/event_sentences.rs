@@ -77,6 +77,10 @@ fn ending_words(ending: &Ending) -> String {
             "undecided: the angles are too large to close the loops within their own rounding"
                 .to_owned()
         }
+        Ending::PlaceTooFar => {
+            "undecided: places are so far from the origin, beside the lengths there, that their own rounding leaves them open; put the origin nearer"
+                .to_owned()
+        }
         Ending::NotFound => "undecided: poses may exist".to_owned(),
     }
 }

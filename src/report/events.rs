@@ -109,7 +109,7 @@ fn ending_value(ending: &Ending) -> Value {
         }
         Ending::GivenUp { sigma_min } => json!({ "kind": word, "sigma_min": sigma_min }),
         Ending::Jump { name } => json!({ "kind": word, "formula": name }),
-        Ending::AngleTooLarge | Ending::NotFound => json!({ "kind": word }),
+        Ending::AngleTooLarge | Ending::PlaceTooFar | Ending::NotFound => json!({ "kind": word }),
     }
 }
 

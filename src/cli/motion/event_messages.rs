@@ -122,11 +122,18 @@ fn never_closed(system: &System, actuation: &Actuation, trajectory: &Trajectory)
     for feasible in feasible_inputs(system, actuation) {
         let input = &mechanism.inputs[feasible.input];
         let value = |v: f64| with_unit(mechanism, input.kind, v);
+        // The given value has no pose, however near to it others have one.
+        let given = actuation.inputs_at(0.0)[feasible.input];
+        let end = |v: f64| match value(v) == value(given) {
+            true if v < given => format!("just below {}", value(v)),
+            true if v > given => format!("just above {}", value(v)),
+            _ => value(v),
+        };
         let stretches = feasible.stretches.iter();
         let list: Vec<String> = stretches
             .map(|[from, to]| match value(*from) == value(*to) {
                 true => format!("near {}", value(*from)),
-                false => format!("from {} to {}", value(*from), value(*to)),
+                false => format!("from {} to {}", end(*from), end(*to)),
             })
             .collect();
         hints.push(format!(

@@ -10,6 +10,7 @@ use crate::kinematics::structure::system::System;
 use crate::math::{Pose, sin_cos};
 use crate::model::chain::Chain;
 use crate::model::mechanism::{Kind, Mechanism};
+use std::collections::BTreeSet;
 
 /// Link placements (rotation entries, translations over the size) that agree within this are equal: above the rounding
 /// at a nearly singular pose, below the difference of assemblies that can be distinguished.
@@ -31,6 +32,8 @@ pub struct Alike<'s> {
     /// Bodies that move with the unknowns.
     bodies: Vec<usize>,
     outside: Vec<usize>,
+    /// Angles whose turns matter.
+    counted: BTreeSet<usize>,
 }
 
 impl<'s> Alike<'s> {
@@ -47,6 +50,7 @@ impl<'s> Alike<'s> {
             spins: Spins::new(system),
             bodies: (0..mechanism.bodies.len()).filter(moves).collect(),
             outside: outside_chains(mechanism),
+            counted: mechanism.counted_angles(),
         }
     }
 
@@ -89,6 +93,7 @@ impl<'s> Alike<'s> {
     /// Unknowns that appear in formulas only.
     fn outside(&self, coordinates: &[f64]) -> Vec<f64> {
         let number = |slot: &usize| match self.mechanism.unknowns[*slot].kind {
+            Kind::Angle if self.counted.contains(slot) => vec![coordinates[*slot]],
             Kind::Angle => {
                 // Angles are compared as points of a circle: whole turns do not matter.
                 let (sin, cos) = sin_cos(coordinates[*slot]);

@@ -9,6 +9,7 @@
 //! points of one **continuous set**, usually a curve (`sets`).
 
 mod alike;
+mod merged;
 mod names;
 mod search;
 mod sets;

@@ -6,8 +6,8 @@ use crate::kinematics::ball::chart::BallChart;
 use crate::kinematics::ball::joint::Ball;
 use crate::kinematics::loops::forward::closure_error;
 use crate::kinematics::solve::branch::BranchWatch;
+use crate::kinematics::solve::closure::closes;
 use crate::kinematics::solve::newton::Corrector;
-use crate::kinematics::solve::random_starts::CLOSED;
 use crate::kinematics::solve::turns::WholeTurns;
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::{Kind, Mechanism};
@@ -86,6 +86,8 @@ pub struct Modes {
     pub tallies: Vec<(StartKind, StartResults)>,
     /// Good and Turing's estimate of the probability that one more random start leads to a new placement.
     pub unseen: f64,
+    /// Unknowns that no link limits, and how far from zero the random starts of each reached.
+    pub reaches: Vec<(usize, f64)>,
     /// Placements that no random start led to.
     pub unlikely: usize,
     /// Whether the search ended because hardly anything seems to be missing, not because the starts were used up.
@@ -176,7 +178,7 @@ impl ModeGroup {
             let mut other = self.coordinates.clone();
             ball.rename(&mut other);
             wrap_angles(mechanism, &mut other);
-            if closure_error(mechanism, &other) > CLOSED || !alike(&other, &self.coordinates) {
+            if !closes(mechanism, &other) || !alike(&other, &self.coordinates) {
                 continue;
             }
             renamed.push(index);

@@ -1,15 +1,16 @@
 //! The search: rounds of starts of several kinds, until an estimate says that nothing is missing.
 
 use super::alike::{Alike, PlacedPoint, same_numbers};
+use super::merged::{are_copies, is_blurred};
 use super::names::{ModeGroup, Modes, StartKind, StartResults, describe_mode};
 use super::sets::{Continuum, lost_rank};
 use super::walk::{WIDEST, branch_neighbours};
 use crate::jobs::{core_count, share_work};
-use crate::kinematics::loops::forward::closure_error;
 use crate::kinematics::solve::assembly::assemble_pose;
+use crate::kinematics::solve::closure::closes;
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::solve::pose_solver::PoseSolver;
-use crate::kinematics::solve::random_starts::{CLOSED, start_values};
+use crate::kinematics::solve::random_starts::RandomStarts;
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::Kind;
 use std::collections::VecDeque;
@@ -109,6 +110,7 @@ pub fn find_modes(
 /// The results so far.
 struct ModeSearch<'s> {
     system: &'s System,
+    random: RandomStarts<'s>,
     alike: Alike<'s>,
     groups: Vec<ModeGroup>,
     places: Vec<PlacedPoint>,
@@ -130,6 +132,7 @@ impl<'s> ModeSearch<'s> {
         ];
         Self {
             system,
+            random: RandomStarts::new(system.mechanism()),
             alike: Alike::new(system),
             groups: Vec::new(),
             places: Vec::new(),
@@ -150,7 +153,8 @@ impl<'s> ModeSearch<'s> {
         let system = self.system;
         let work = |(): &mut (), index: usize| {
             let is_on = !cancelled();
-            is_on.then(|| search_closures(system, first, &jobs[index], cancelled))
+            let random = &self.random;
+            is_on.then(|| search_closures(system, random, first, &jobs[index], cancelled))
         };
         let found = share_work(jobs.len(), core_count(), || (), work);
         // In the order of the starts, regardless of the threads.
@@ -176,8 +180,10 @@ impl<'s> ModeSearch<'s> {
         let place = self.alike.place(&pose);
         let mut known = self.places.iter();
         let known = known.position(|other| same_numbers(&other.links, &place.links));
-        // A known placement, else a point of a known continuous set, else a new one.
-        let group = known.or_else(|| self.set_of(&pose, &place));
+        // A known placement, else a point of a known continuous set or a copy of a singular pose, else a new one.
+        let group = known
+            .or_else(|| self.set_of(&pose, &place))
+            .or_else(|| self.copied_group(&pose));
         let index = group.unwrap_or(self.groups.len());
         match group {
             Some(group) => {
@@ -205,6 +211,17 @@ impl<'s> ModeSearch<'s> {
         let own =
             |(set, _): &&(Continuum, usize)| dimension > 0 && set.holds(&place.links, dimension);
         sets.find(own).map(|(_, group)| *group)
+    }
+
+    /// The group of an isolated singular pose of which this one is a copy.
+    fn copied_group(&self, pose: &[f64]) -> Option<usize> {
+        if !is_blurred(self.system, pose) {
+            return None;
+        }
+        let mut groups = self.groups.iter();
+        groups.position(|group| {
+            group.dimension == 0 && are_copies(self.system, &group.coordinates, pose)
+        })
     }
 
     /// A new group.
@@ -300,6 +317,7 @@ impl<'s> ModeSearch<'s> {
             is_exhausted,
             is_hopeless: self.is_hopeless(),
             bodies: self.alike.bodies().to_vec(),
+            reaches: self.random.reaches().collect(),
             list: describe_mode(self.system, self.groups, alike),
         }
     }
@@ -308,6 +326,7 @@ impl<'s> ModeSearch<'s> {
 /// The closed poses to which a start leads.
 fn search_closures(
     system: &System,
+    random: &RandomStarts,
     first: &[f64],
     job: &Job,
     cancelled: &(dyn Fn() -> bool + Sync),
@@ -316,7 +335,7 @@ fn search_closures(
     let starts = match job {
         // If the named values are not kept, the start leads to an assembly of its own.
         Job::Scene { .. } => vec![first.to_vec()],
-        Job::Random(number) => vec![start_values(mechanism, first, *number)],
+        Job::Random(number) => vec![random.values(first, *number)],
         Job::Mirrored(values) => vec![values.clone()],
         Job::Continued { pose, block, key } => {
             branch_neighbours(mechanism, &system.blocks()[*block], pose, *key, cancelled)
@@ -342,6 +361,6 @@ fn search_closures(
     meant
         .into_iter()
         .chain(others)
-        .filter(|pose| closure_error(mechanism, pose) <= CLOSED)
+        .filter(|pose| closes(mechanism, pose))
         .collect()
 }

@@ -6,6 +6,7 @@
 use super::alike::{Alike, largest_difference};
 use super::walk::BranchPath;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
+use crate::kinematics::solve::closure::is_assembled;
 use crate::kinematics::solve::newton::{Corrector, Pace};
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
@@ -111,7 +112,10 @@ fn follow_set(
             MOST_STEPS
         };
         for step in 1..=most {
-            if !path.step(STEP) || !closes_again(system, &mut corrector, &mut path.coordinates) {
+            if !path.step(STEP)
+                || !closes_again(system, &mut corrector, &mut path.coordinates)
+                || !is_assembled(mechanism, &path.coordinates)
+            {
                 break;
             }
             let links = alike.place(&path.coordinates).links;

@@ -198,6 +198,8 @@ pub enum Ending {
     },
     /// Angles are so large that their own rounding leaves the loops open.
     AngleTooLarge,
+    /// Places are so far from the origin, beside the lengths there, that their own rounding leaves loops or bars open.
+    PlaceTooFar,
     /// There is no motion that could end: the start values led to no pose, and it is not proved that none exists.
     NotFound,
 }
@@ -210,6 +212,7 @@ impl Ending {
             Self::GivenUp { .. }
                 | Self::Jump { .. }
                 | Self::AngleTooLarge
+                | Self::PlaceTooFar
                 | Self::NotFound
                 | Self::InputUndefined { proved: false, .. }
                 | Self::Fold {
@@ -233,6 +236,7 @@ impl Ending {
             Self::GivenUp { .. } => "given-up",
             Self::Jump { .. } => "jump",
             Self::AngleTooLarge => "angle-too-large",
+            Self::PlaceTooFar => "place-too-far",
             Self::NotFound => "not-found",
         }
     }

@@ -3,6 +3,7 @@
 use super::closure::CLOSURE_TOLERANCE;
 use super::descent::Descent;
 use super::newton::{Corrector, Pace};
+use super::settled_roots::settle_block;
 use super::turns::WholeTurns;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
@@ -178,6 +179,8 @@ pub fn close_block(
         if is_closed && wrap_angles(mechanism, block, &mut turns, coordinates) {
             is_closed = correct(coordinates);
         }
+        // An equation whose terms have become small holds at a root only.
+        is_closed = is_closed && settle_block(mechanism, block, coordinates);
         if !is_closed {
             let pairs = block.unknowns.iter().zip(&before);
             pairs.for_each(|(slot, value)| coordinates[*slot] = *value);

@@ -1,19 +1,34 @@
-//! How well loops can be closed: the effect of the rounding of angles after many turns.
+//! How well loops and equations can be closed: the effect of the rounding of angles after many turns, and of coordinates far
+//! from the origin.
 
+use crate::kinematics::loops::forward::{closure_error, loop_gap};
+use crate::kinematics::loops::residual::BlockWorkspace;
 use crate::kinematics::structure::block::Block;
-use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::chain::{ArgumentValue, ChainStep, ElementaryMotion};
+use crate::model::mechanism::{Equation, Kind, Loop, Mechanism};
 
 /// Largest residual of a returned pose, relative to the mechanism's size. Rounding leaves about 1e-15; anything above
 /// this has not converged.
 pub const CLOSURE_TOLERANCE: f64 = 1e-11;
 
-/// Largest accepted effect of the rounding of angles; above it a pose means little. It is reached after some million
-/// turns.
+/// Largest accepted effect of the rounding of coordinates; above it a pose means little. It is reached after some million
+/// turns, or some ten million lengths of a bar from the origin.
 const COARSEST: f64 = 1e-8;
+
+/// Largest closure error of an assembly that counts, in radians and sizes; of an equation also relative to its own terms at the
+/// pose. Rounding leaves about 1e-15; a start that stopped beside a pose leaves far more.
+pub const CLOSED: f64 = 1e-12;
+
+/// What an equation takes from elsewhere is known to this fraction of its magnitude over the motion, unless it is exactly zero.
+const ROUNDED: f64 = 1e-15;
 
 /// Half a spacing of f64 for an angle's own rounding, as much for that of the joint's value, and links that reach a few
 /// sizes.
 const SPACINGS: f64 = 4.0;
+
+/// The same of a term of a sum: half a spacing for its own rounding and for that of the sum, twice, since Newton's method ends
+/// beside the best pose.
+const SPACINGS_OF_TERMS: f64 = 2.0;
 
 /// The effect of the rounding of a block's angles: beyond 131 072 rad adjacent f64 are farther apart than the
 /// tolerance.
@@ -26,21 +41,161 @@ pub fn angle_rounding(mechanism: &Mechanism, block: &Block, coordinates: &[f64])
     SPACINGS * f64::EPSILON * sum
 }
 
-/// Whether a block with this residual is closed as well as its angles permit.
+/// The effect of the rounding of displacements on the translation of a loop, in its sizes: they are added up, however small the
+/// sum is.
+fn loop_rounding(item: &Loop, arguments: &[ArgumentValue]) -> f64 {
+    let displacements = item.chain.steps.iter().map(|step| match step {
+        ChainStep::Fixed(pose) => pose.translation.length(),
+        ChainStep::Joint {
+            motion: ElementaryMotion::Translation,
+            argument,
+            ..
+        } => arguments[*argument].value.abs(),
+        ChainStep::Joint { .. } => 0.0,
+    });
+    SPACINGS_OF_TERMS * f64::EPSILON * displacements.sum::<f64>() / item.size
+}
+
+/// The effect of the rounding of an equation's coordinates and terms on its residual.
+fn equation_rounding(equation: &Equation, coordinates: &[f64]) -> f64 {
+    let terms = equation.sensitive_terms(coordinates);
+    SPACINGS_OF_TERMS * f64::EPSILON * terms * equation.weight
+}
+
+/// The effect of the rounding of displacements and terms on every row of a block.
+fn place_roundings(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> Vec<f64> {
+    let mut rows = vec![0.0; block.rows()];
+    let arguments = mechanism.argument_values(coordinates);
+    for (part, planned) in block.loops.iter().zip(&block.plan.loops) {
+        let shifts = loop_rounding(&mechanism.loops[part.index], &arguments);
+        for (k, component) in part.components.iter().enumerate() {
+            // Rotations do not depend on displacements.
+            if *component >= 3 {
+                rows[planned.row + k] += shifts;
+            }
+        }
+    }
+    for planned in &block.plan.equations {
+        let equation = &mechanism.equations[planned.index];
+        rows[planned.row] += equation_rounding(equation, coordinates);
+    }
+    rows
+}
+
+/// The largest residual of every row of a block that rounding explains, at most [`COARSEST`].
+fn row_roundings(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> Vec<f64> {
+    let angles = angle_rounding(mechanism, block, coordinates);
+    let rows = place_roundings(mechanism, block, coordinates).into_iter();
+    rows.map(|places| (angles + places).min(COARSEST)).collect()
+}
+
+/// What is so large that its own rounding leaves a larger closure error than a pose may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TooLarge {
+    /// The angles of some block.
+    Angles,
+    /// Displacements, or the terms of an equation, beside the unit of a loop or an equation.
+    Places,
+}
+
+/// Whether the rounding of coordinates alone leaves some block open.
+pub fn too_large(mechanism: &Mechanism, blocks: &[Block], coordinates: &[f64]) -> Option<TooLarge> {
+    blocks.iter().find_map(|block| {
+        if angle_rounding(mechanism, block, coordinates) > COARSEST {
+            return Some(TooLarge::Angles);
+        }
+        let places = place_roundings(mechanism, block, coordinates);
+        let are_coarse = places.iter().any(|row| *row > COARSEST);
+        are_coarse.then_some(TooLarge::Places)
+    })
+}
+
+/// Whether every entry of a residual is explained by rounding.
+pub(super) fn is_rounding(
+    mechanism: &Mechanism,
+    block: &Block,
+    coordinates: &[f64],
+    residual: &[f64],
+) -> bool {
+    let rows = row_roundings(mechanism, block, coordinates);
+    let mut pairs = residual.iter().zip(rows);
+    pairs.all(|(left, most)| left.abs() <= most)
+}
+
+/// Whether a block is closed as well as its coordinates permit at the pose that a workspace has evaluated.
 pub(super) fn is_closed(
     mechanism: &Mechanism,
     block: &Block,
     coordinates: &[f64],
-    residual: f64,
+    workspace: &BlockWorkspace,
 ) -> bool {
-    residual <= CLOSURE_TOLERANCE
-        || residual <= angle_rounding(mechanism, block, coordinates).min(COARSEST)
+    if workspace.residual_norm() <= CLOSURE_TOLERANCE {
+        return true;
+    }
+    let rows = row_roundings(mechanism, block, coordinates);
+    let mut pairs = workspace.residual.iter().zip(rows);
+    pairs.all(|(left, rounding)| left.abs() <= rounding.max(CLOSURE_TOLERANCE))
 }
 
-/// Whether the angles of some block leave a larger closure error by their rounding than a pose may have.
-pub fn are_angles_too_large(mechanism: &Mechanism, blocks: &[Block], coordinates: &[f64]) -> bool {
-    let mut open = blocks
-        .iter()
-        .map(|b| angle_rounding(mechanism, b, coordinates));
-    open.any(|rounding| rounding > COARSEST)
+/// Whether the equations of a block hold beside their own terms at the pose, not only beside those of other poses.
+pub(super) fn hold_beside_terms(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> bool {
+    let mut equations = block.equations.iter();
+    equations.all(|index| {
+        let equation = &mechanism.equations[*index];
+        // What other blocks and drives have rounded.
+        let slots = equation.expression.slots().into_iter();
+        let given =
+            slots.filter(|slot| !block.unknowns.contains(slot) && coordinates[*slot] != 0.0);
+        let given: Vec<usize> = given.collect();
+        let known = match given[..] {
+            [] => 0.0,
+            _ => {
+                let slopes = equation.expression.gradient(coordinates);
+                let moved = given
+                    .iter()
+                    .map(|slot| slopes[*slot] * mechanism.scale_of(*slot));
+                ROUNDED * moved.map(f64::abs).sum::<f64>()
+            }
+        };
+        holds_beside_terms(equation, coordinates, known)
+    })
+}
+
+/// Whether the value of an equation is rounding beside its terms, or less than `known`.
+fn holds_beside_terms(equation: &Equation, coordinates: &[f64], known: f64) -> bool {
+    let value = equation.expression.value(coordinates).abs();
+    let terms = equation.summand(coordinates);
+    let rounding = SPACINGS_OF_TERMS * f64::EPSILON * equation.sensitive_terms(coordinates);
+    let rounding = rounding.min(COARSEST * terms);
+    // Terms that are no numbers any more, exp(-800), say nothing.
+    let is_sunk = value == 0.0 && !terms.is_normal() && equation.sinks(coordinates);
+    !is_sunk && value <= (CLOSED * terms).max(rounding).max(known)
+}
+
+/// Whether all loops close and all equations hold, as well as the rounding of the coordinates permits; equations beside their own
+/// terms at the pose.
+pub fn is_assembled(mechanism: &Mechanism, coordinates: &[f64]) -> bool {
+    let mut equations = mechanism.equations.iter();
+    closes(mechanism, coordinates)
+        && equations.all(|equation| holds_beside_terms(equation, coordinates, 0.0))
+}
+
+/// Whether all loops close and all equations hold, as well as the rounding of the coordinates permits.
+pub fn closes(mechanism: &Mechanism, coordinates: &[f64]) -> bool {
+    // Near the origin rounding is far below the tolerance.
+    if closure_error(mechanism, coordinates) <= CLOSED {
+        return true;
+    }
+    let arguments = mechanism.argument_values(coordinates);
+    let allowed = |rounding: f64| rounding.min(COARSEST).max(CLOSED);
+    let are_loops_closed = mechanism.loops.iter().all(|item| {
+        let (angle, distance) = loop_gap(item, &arguments);
+        angle <= CLOSED && distance / item.size <= allowed(loop_rounding(item, &arguments))
+    });
+    let mut equations = mechanism.equations.iter();
+    are_loops_closed
+        && equations.all(|equation| {
+            let value = equation.expression.value(coordinates) * equation.weight;
+            value.abs() <= allowed(equation_rounding(equation, coordinates))
+        })
 }

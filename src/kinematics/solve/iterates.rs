@@ -1,7 +1,7 @@
 //! Records Newton's method: the iterates from the start values, with residuals, corrections and the opened polygon of
 //! every loop. Plain Newton on every block in order, without the safeguards of the solver.
 
-use super::closure::CLOSURE_TOLERANCE;
+use super::closure::is_closed;
 use crate::kinematics::loops::forward::Observation;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::results::certificate::{Certificate, Reason};
@@ -118,7 +118,7 @@ pub fn record_iterates(system: &System, start: &[f64]) -> (Vec<Iterate>, bool) {
                 return (list, false);
             }
             let is_small = size <= f64::EPSILON * 4.0;
-            closed = workspace.residual_norm() <= CLOSURE_TOLERANCE;
+            closed = is_closed(mechanism, block, &coordinates, &workspace);
             if closed && is_small {
                 break;
             }

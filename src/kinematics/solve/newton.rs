@@ -3,7 +3,7 @@
 //! A correction ends with an evaluation of the pose that it returns. That linearisation is kept, with its factors and
 //! its inverse once they are needed, so that tangent, prediction, rank and branch sign of the pose share it.
 
-use super::closure::is_closed;
+use super::closure::{hold_beside_terms, is_closed, is_rounding};
 use super::linearisation::{Linearisation, REFINEMENTS};
 use crate::kinematics::structure::system::System;
 use crate::linalg::lanes::LaneMatrix;
@@ -29,6 +29,10 @@ pub enum Pace {
     /// Linear convergence is accepted: singular poses are not reached faster.
     Patient,
 }
+
+/// A last step that is longer than this, in scaled unknowns, although the residual is rounding: the terms of an equation vanish
+/// there, as those of exp(x) do far from any root. A root of order four is known to a tenth of it.
+const LONG_STEP: f64 = 1e-3;
 
 /// Residuals are sums of a few dozen products of order one, so they cannot be made smaller than about this.
 pub const ROUNDING_FLOOR: f64 = 4e-15;
@@ -126,6 +130,10 @@ impl Corrector {
                 break;
             }
             if iterations == most {
+                // Far from the origin rounding leaves more.
+                if is_rounding(mechanism, block, coordinates, &buffers.workspace.residual) {
+                    break;
+                }
                 return Correction::failed(iterations, first_step);
             }
             iterations += 1;
@@ -135,6 +143,11 @@ impl Corrector {
             }
             let shrinking = size <= contraction * last_step || at_floor;
             if !size.is_finite() || !shrinking {
+                // A pose that rounding does not let come nearer stays as it is.
+                let residual = &buffers.workspace.residual;
+                if size.is_finite() && is_rounding(mechanism, block, coordinates, residual) {
+                    break;
+                }
                 return Correction::failed(iterations, first_step);
             }
             buffers.take_step(block, coordinates);
@@ -143,8 +156,10 @@ impl Corrector {
             last_step = size;
         }
         let residual = buffers.workspace.residual_norm();
+        let is_root = !(last_step.is_finite() && last_step > LONG_STEP)
+            || hold_beside_terms(mechanism, block, coordinates);
         Correction {
-            converged: is_closed(mechanism, block, coordinates, residual),
+            converged: is_root && is_closed(mechanism, block, coordinates, &buffers.workspace),
             iterations,
             first_step,
             residual,

@@ -7,11 +7,11 @@
 //! nearest to the named values is taken.
 
 use super::assembly::{Assembled, NotClosed, assemble_pose, close_block};
+use super::closure::closes;
 use super::descent::Descent;
 use super::newton::{Corrector, Pace};
-use super::random_starts::{CLOSED, start_values};
+use super::random_starts::RandomStarts;
 use super::turns::WholeTurns;
-use crate::kinematics::loops::forward::closure_error;
 use crate::kinematics::structure::block::{Block, block_of};
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::{Kind, Mechanism};
@@ -129,8 +129,9 @@ pub fn assemble_as_meant(
     let first = wishes.distance(&best.coordinates);
     let mut least = first;
     let is_all_named = held.iter().all(|block| block.unknowns.is_empty());
+    let random = RandomStarts::new(system.mechanism());
     for attempt in 0..if is_all_named { 1 } else { STARTS } {
-        let start = free_start(system, start, &wishes, attempt);
+        let start = free_start(system, start, &wishes, random.values(start, attempt));
         let Some(found) = let_go(system, &held, start) else {
             continue;
         };
@@ -160,14 +161,13 @@ fn with_wishes_held(system: &System, wishes: &StartPreferences) -> Vec<Block> {
     system.blocks().iter().map(free).collect()
 }
 
-/// Start number 0 is the scene's own, the others are random where nothing is named.
+/// The values of a start, the scene's own where something is named or held.
 fn free_start(
     system: &System,
     start: &[f64],
     wishes: &StartPreferences,
-    attempt: usize,
+    mut values: Vec<f64>,
 ) -> Vec<f64> {
-    let mut values = start_values(system.mechanism(), start, attempt);
     for wish in &wishes.list {
         values[wish.unknown] = wish.value;
     }
@@ -198,7 +198,7 @@ fn spelled_poses(system: &System, pose: Vec<f64>) -> Vec<Vec<f64>> {
         let mut held = system.structure().held.iter();
         let is_kept = held.all(|held| other[held.unknown] == all[0][held.unknown]);
         // The second set of angles must leave held coordinates and the closure as they are.
-        if is_kept && closure_error(system.mechanism(), &other) <= CLOSED {
+        if is_kept && closes(system.mechanism(), &other) {
             all.push(other);
         }
     }

@@ -6,12 +6,15 @@ use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
 use crate::model::drive::Drive;
 use crate::model::equation_terms::finite_or_zero;
 use crate::model::expression::Expression;
-use crate::model::mechanism::{Equation, Kind, Mechanism};
+use crate::model::mechanism::{Closes, Equation, Kind, Loop, Mechanism};
 use crate::numbers::interval::Interval;
 
 /// Values at a few instants are taken for a drive's largest unless it is proved to be able to exceed them this many times:
 /// a short pulse may lie between all of them.
 const FAR_BEYOND: f64 = 100.0;
+
+/// Places this many times as far from the origin as any length between joints is long say where the mechanism is, not how large.
+const FAR_PLACE: f64 = 1024.0;
 
 /// Most parts of time that are looked at for the largest value.
 const MOST_PARTS: usize = 400;
@@ -25,16 +28,14 @@ pub(super) fn mechanism_size(
     names: &Names,
 ) -> f64 {
     // Fixed offsets and bars are the most reliable lengths: they do not depend on a pose.
-    let fixed = mechanism
-        .loops
-        .iter()
-        .flat_map(|l| &l.chain.steps)
-        .filter_map(|step| match step {
-            ChainStep::Fixed(pose) => Some(pose.translation.length()),
-            ChainStep::Joint { .. } => None,
-        });
-    let bars = mechanism.bars.iter().filter_map(|bar| bar.length);
-    let longest = fixed.chain(bars).fold(0.0, f64::max);
+    let bars = || mechanism.bars.iter().filter_map(|bar| bar.length);
+    let [all, own] = [true, false].map(|with_places| {
+        let loops = mechanism.loops.iter();
+        let fixed = loops.flat_map(|item| fixed_offsets(item, with_places));
+        fixed.chain(bars()).fold(0.0, f64::max)
+    });
+    let is_far = own > 0.0 && all > FAR_PLACE * own;
+    let longest = if is_far { own } else { all };
     if longest > 0.0 {
         return longest;
     }
@@ -69,6 +70,34 @@ pub(super) fn mechanism_size(
     // A mechanism of screws alone has no length but its leads.
     let longest = screw_leads(mechanism).fold(0.0, f64::max);
     if longest > 0.0 { longest } else { 1.0 }
+}
+
+/// The lengths of the fixed offsets in a loop. That between the origin and a point whose coordinates lead the loop is a place.
+fn fixed_offsets(item: &Loop, with_places: bool) -> impl Iterator<Item = f64> {
+    let slides = item.chain.steps.iter().map_while(|step| match step {
+        ChainStep::Joint {
+            motion: ElementaryMotion::Translation,
+            axis,
+            ..
+        } => Some(*axis),
+        _ => None,
+    });
+    let slides: Vec<usize> = match (with_places, item.closes) {
+        (false, Closes::Point) => slides.collect(),
+        _ => Vec::new(),
+    };
+    let place = slides.len();
+    let steps = item.chain.steps.iter().enumerate();
+    steps.filter_map(move |(k, step)| match step {
+        ChainStep::Fixed(pose) => {
+            let mut offset = pose.translation;
+            if k == place {
+                slides.iter().for_each(|axis| offset[*axis] = 0.0);
+            }
+            Some(offset.length())
+        }
+        ChainStep::Joint { .. } => None,
+    })
 }
 
 /// Lengths written as numbers in chains: fixed offsets of bodies, and constants added to variable ones.

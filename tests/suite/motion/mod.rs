@@ -14,6 +14,7 @@ mod dyads;
 mod endings;
 mod excursions;
 mod far_guesses;
+mod far_origins;
 mod fold_rates;
 mod gimbal;
 mod hard_cases;

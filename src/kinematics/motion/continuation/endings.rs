@@ -8,7 +8,7 @@ use crate::kinematics::motion::tracker::jump_sites::FormulaBehaviour;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, Unwatched};
 use crate::kinematics::motion::tracker::singular::SingularTarget;
 use crate::kinematics::results::trajectory::Ending;
-use crate::kinematics::solve::closure::are_angles_too_large;
+use crate::kinematics::solve::closure::{TooLarge, too_large};
 
 /// Fractions of the sampling interval at which a formula is evaluated beyond the end of a motion.
 const BEYOND: [f64; 3] = [1e-11, 1e-9, 1e-7];
@@ -78,8 +78,8 @@ impl Recorder<'_> {
 
     /// The cause of an end that is not a fold.
     fn ending_at(&self, end: &PathPoint, time: f64) -> Ending {
-        if self.is_angle_too_large(&end.coordinates) {
-            return Ending::AngleTooLarge;
+        if let Some(ending) = self.ending_by_rounding(&end.coordinates) {
+            return ending;
         }
         let beyond = self.beyond(end.time, time);
         let undefined = beyond
@@ -148,10 +148,14 @@ impl Recorder<'_> {
         })
     }
 
-    /// Whether the rounding of the angles alone opens loops.
-    pub(super) fn is_angle_too_large(&self, coordinates: &[f64]) -> bool {
+    /// The end of a motion whose coordinates are so large that their rounding alone opens loops.
+    pub(super) fn ending_by_rounding(&self, coordinates: &[f64]) -> Option<Ending> {
         let system = self.tracker.system();
-        are_angles_too_large(system.mechanism(), system.blocks(), coordinates)
+        let large = too_large(system.mechanism(), system.blocks(), coordinates)?;
+        Some(match large {
+            TooLarge::Angles => Ending::AngleTooLarge,
+            TooLarge::Places => Ending::PlaceTooFar,
+        })
     }
 
     /// An equation that is undefined with the unknowns of `point` and the inputs of `time`.

@@ -218,9 +218,10 @@ impl<'s> Recorder<'s> {
             // No pose: is it proved that there is none, or was none found?
             Err(best) => {
                 self.gaps.note_lack(&self.tracker, time, best.clone());
-                if persist && self.is_angle_too_large(&best.coordinates) {
-                    self.gaps.give_up(Ending::AngleTooLarge);
-                    self.event(time, EventKind::MotionEnds(Ending::AngleTooLarge));
+                let rounded = self.ending_by_rounding(&best.coordinates);
+                if let Some(ending) = rounded.filter(|_| persist) {
+                    self.gaps.give_up(ending.clone());
+                    self.event(time, EventKind::MotionEnds(ending));
                 } else if persist {
                     let given = best.coordinates[self.tracker.unknowns()..].to_vec();
                     let proved = has_no_pose(self.tracker.system(), &given);

@@ -115,7 +115,7 @@ impl Contacts {
             // Two spheres: one equation for the distance of their centres, which may be points of loops of their own.
             ContactClosure::Distance => {
                 let formulas = Formulas::default();
-                let own = closed_chains(contact, joints);
+                let own = closed_chains(contact, names, joints);
                 let ends = match &own {
                     Some(own) => own.each_ref(),
                     None => frames,
@@ -183,17 +183,35 @@ impl Contacts {
     }
 }
 
-/// The frames of a contact's surfaces relative to the last frame that carries both, if that frame can move.
-fn closed_chains(contact: &ParsedContact, joints: &mut FoldedJoints) -> Option<[Chain; 2]> {
+/// The frames of a contact's surfaces relative to the last frame that carries both, moved together by the displacement between the
+/// fixed frames with which they begin: what both have in common, however far away, is not subtracted at every pose.
+fn closed_chains(
+    contact: &ParsedContact,
+    names: &Names,
+    joints: &mut FoldedJoints,
+) -> Option<[Chain; 2]> {
     let [first, second] = contact.sides.each_ref().map(|side| &side.frame);
     let pairs = first.iter().zip(second);
     let shared = pairs.take_while(|(a, b)| a.is_alike(b)).count();
+    let (first, second) = (&first[shared..], &second[shared..]);
+    let stands = |factor: &&Factor| match factor {
+        Factor::Elementary(ElementaryMotion::Translation, _, node) => is_constant(node, names),
+        _ => false,
+    };
+    let standing = first.iter().take_while(stands).count();
+    let are_both = second.first().is_some_and(|factor| stands(&factor));
+    let (lead, own) = first.split_at(if are_both { standing } else { 0 });
+    let back = lead.iter().rev().cloned().map(Factor::inverse);
+    let second: Vec<Factor> = back.chain(second.iter().cloned()).collect();
     // Errors in the frames have been reported.
     let mut chain = |factors: &[Factor]| joints.chain(factors, &mut Diagnostics::default());
-    let base = chain(&first[..shared])?;
-    let moves = base.steps.iter().any(|step| step.joint().is_some());
-    let (a, b) = (chain(&first[shared..])?, chain(&second[shared..])?);
-    moves.then_some([a, b])
+    Some([chain(own)?, chain(&second)?])
+}
+
+/// Whether a formula has the same value at every pose.
+fn is_constant(node: &FormulaNode, names: &Names) -> bool {
+    let node = names.in_radians(node.clone(), Some(Kind::Length));
+    exact_constant(&node, &|n, s| names.constant(n, s)).is_ok()
 }
 
 /// The angle between the normal and the velocity of the contact point as a point of the second body, in 0..90 degrees.
