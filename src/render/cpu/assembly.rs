@@ -153,11 +153,15 @@ impl TriangleAssembly {
     ) {
         let changes = self.last.replace(frame, camera, self.of_stage);
         let changes = changes.filter(|_| !self.is_clipped);
-        self.is_renewed = true;
-        let is_renewed =
-            changes.is_some_and(|changes| self.renew(frame, solids, lens, pattern, changes));
-        if !is_renewed {
-            self.is_renewed = false;
+        // Whether tiles that stay empty are as they were, if everything is done again.
+        let is_alike = changes.as_ref().is_some_and(|c| !self.is_worth_it(c));
+        self.is_renewed = !is_alike
+            && changes.is_some_and(|changes| {
+                self.is_renewed = true;
+                self.renew(frame, solids, lens, pattern, changes)
+            });
+        if !self.is_renewed {
+            self.clear(is_alike);
             self.assemble_all(frame, solids, lens, pattern);
         }
     }
@@ -169,7 +173,6 @@ impl TriangleAssembly {
         lens: &Lens,
         pattern: &SamplePattern<G>,
     ) {
-        self.clear();
         self.list_instances(frame, solids);
         for (index, instance) in frame.instances.iter().enumerate() {
             if let Some(solid) = solids.get(instance.mesh) {
@@ -189,16 +192,23 @@ impl TriangleAssembly {
             let room = first + place.triangles as usize;
             self.facets.resize(room.max(self.next), Facet::default());
         }
+        for bin in self.bins.iter_mut().filter(|bin| !bin.is_empty()) {
+            bin.changed = PixelMask::ALL;
+        }
     }
 
-    fn clear(&mut self) {
+    fn clear(&mut self, is_alike: bool) {
         self.vertices.clear();
         self.facets.clear();
         self.is_clipped = false;
         for bin in &mut self.bins {
+            bin.changed = if is_alike && bin.is_empty() {
+                PixelMask::NONE
+            } else {
+                PixelMask::ALL
+            };
             bin.opaque.clear();
             bin.translucent.clear();
-            bin.changed = PixelMask::ALL;
         }
     }
 

@@ -134,7 +134,7 @@ impl<const G: usize> TileSamples<G> {
         self.seen_backdrop = part.pixels;
         self.bare = part.pixels;
         // A tile without triangles is background.
-        if bin.opaque.is_empty() && bin.translucent.is_empty() {
+        if bin.is_empty() {
             fill_background(&view, part, (bytes, first, stride));
             return;
         }

@@ -10,7 +10,26 @@ use crate::render::last_frame::Change;
 use crate::render::{Frame, MeshList};
 use std::ops::Range;
 
+/// Without lines, pixels cost so little that everything is done again if triangles of still instances are no more than this
+/// share of all.
+const LEAST_SHARE: f64 = 0.1;
+
 impl TriangleAssembly {
+    /// Whether it takes less time to renew the lists of the last frame than to make new ones.
+    pub(super) fn is_worth_it(&self, changes: &[Change]) -> bool {
+        let (mut still, mut all) = (0.0, 0.0);
+        for (place, change) in self.places.iter().zip(changes) {
+            let triangles = f64::from(place.triangles);
+            all += triangles;
+            still += if *change == Change::Moved {
+                0.0
+            } else {
+                triangles
+            };
+        }
+        self.apron > 0 || still > LEAST_SHARE * all
+    }
+
     /// Turns the lists of the last frame into those of `frame`, whose instances have changed so. Returns false, with lists
     /// that are of no use, if this cannot be done.
     pub(super) fn renew<const G: usize>(

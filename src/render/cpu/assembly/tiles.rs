@@ -27,6 +27,11 @@ impl TileBin {
         translucent: Vec::new(),
         changed: PixelMask::ALL,
     };
+
+    /// Whether there is nothing but the background.
+    pub(in crate::render::cpu) fn is_empty(&self) -> bool {
+        self.opaque.is_empty() && self.translucent.is_empty()
+    }
 }
 
 /// A triangle on the screen.
