@@ -10,9 +10,6 @@ use crate::numbers::scalar::Sign;
 /// Rounding of an addition to an error, generously.
 const GROWN: f64 = 8.0 * OPERATION;
 
-/// A value below this share of a form's slopes does not multiply those of another one by one.
-const INVISIBLE: f64 = 1e-13;
-
 /// A sum so far.
 pub struct AffineSum<'r> {
     pub value: f64,
@@ -41,13 +38,18 @@ impl<'r> AffineSum<'r> {
         self.size += size;
     }
 
-    /// Adds value and slopes of a product.
-    pub fn add_line(&mut self, sign: Sign, a: &AffineForm<'r>, b: &AffineForm<'r>) {
+    /// Adds value and slopes of a product. A value that is at most the share `ignored` of its form's slopes does not multiply those of
+    /// the other one by one.
+    pub fn add_line(
+        &mut self,
+        sign: Sign,
+        (a, b): (&AffineForm<'r>, &AffineForm<'r>),
+        ignored: f64,
+    ) {
         let sign = sign.factor();
         self.value += sign * a.value * b.value;
         for (by, form) in [(a, b), (b, a)] {
-            // Values that are nothing but rounding.
-            match by.value.abs() <= INVISIBLE * by.radius {
+            match by.value.abs() <= ignored * by.radius {
                 true => self.error += by.value.abs() * form.radius,
                 false => self.add_slopes(sign * by.value, form),
             }
@@ -155,7 +157,7 @@ impl<'r> FormSum for AffineSum<'r> {
         }
         self.note_room(a);
         self.note_room(b);
-        self.add_line(sign, a, b);
+        self.add_line(sign, (a, b), 0.0);
         // Errors times values, what is of second order, underflow.
         let (far, wide) = (a.radius + a.error, b.radius + b.error);
         let (u, v) = (a.value.abs(), b.value.abs());

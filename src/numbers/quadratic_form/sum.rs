@@ -15,6 +15,9 @@ use crate::numbers::scalar::Sign;
 /// A value below this share of a form's slopes does not multiply second-order coefficients one by one.
 const NEGLIGIBLE: f64 = 1e-6;
 
+/// Values that are nothing but rounding, as a share of their forms' slopes.
+const INVISIBLE: f64 = 1e-13;
+
 /// A sum so far.
 pub struct QuadraticSum<'r> {
     line: AffineSum<'r>,
@@ -111,18 +114,19 @@ impl<'r> QuadraticSum<'r> {
         lost
     }
 
-    /// Adds a product of forms that are no numbers except for their terms of second order, of which `lost` is unknown.
+    /// Adds a product of forms that are no numbers except for their terms of second order, of which `lost` is unknown. Values up to the
+    /// share `ignored` of their slopes count as errors.
     fn add_rest_of_product(
         &mut self,
         sign: Sign,
         a: &QuadraticForm<'r>,
         b: &QuadraticForm<'r>,
-        lost: f64,
+        [lost, ignored]: [f64; 2],
     ) {
         let (u, v) = (a.line.value, b.line.value);
         let (rx, ry) = (a.line.radius(), b.line.radius());
         let line = &mut self.line;
-        line.add_line(sign, &a.line, &b.line);
+        line.add_line(sign, (&a.line, &b.line), ignored);
         let (qx, qy) = (a.bend, b.bend);
         let (ex, ey) = (a.line.error, b.line.error);
         let (far, wide) = (u.abs() + rx + qx, v.abs() + ry + qy);
@@ -241,7 +245,7 @@ impl<'r> FormSum for QuadraticSum<'r> {
         if !self.has_added_number(sign, a, b) {
             let lost = self.add_products_with_bends(sign, a, b)
                 + self.add_product_of_slopes(sign, &a.line, &b.line);
-            self.add_rest_of_product(sign, a, b, lost);
+            self.add_rest_of_product(sign, a, b, [lost, 0.0]);
         }
     }
 
@@ -265,7 +269,7 @@ impl<'r> FormSum for QuadraticSum<'r> {
         for (a, b) in pairs() {
             if !self.has_added_number(Sign::Plus, a, b) {
                 let lost = self.add_products_with_bends(Sign::Plus, a, b);
-                self.add_rest_of_product(Sign::Plus, a, b, lost);
+                self.add_rest_of_product(Sign::Plus, a, b, [lost, INVISIBLE]);
             }
         }
     }
