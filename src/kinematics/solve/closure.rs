@@ -187,7 +187,7 @@ pub fn closes(mechanism: &Mechanism, coordinates: &[f64]) -> bool {
         return true;
     }
     let arguments = mechanism.argument_values(coordinates);
-    let allowed = |rounding: f64| rounding.min(COARSEST).max(CLOSED);
+    let allowed = |rounding: f64| rounding.clamp(CLOSED, COARSEST);
     let are_loops_closed = mechanism.loops.iter().all(|item| {
         let (angle, distance) = loop_gap(item, &arguments);
         angle <= CLOSED && distance / item.size <= allowed(loop_rounding(item, &arguments))
