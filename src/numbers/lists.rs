@@ -7,7 +7,7 @@ use smallvec::SmallVec;
 use std::cmp::Ordering;
 
 /// Some coefficients that are processed together.
-pub type Lanes = [f64; LANES];
+pub type CoefficientGroup = [f64; LANES];
 
 /// Lists that are summed at once.
 const ROWS: usize = 4;
@@ -61,7 +61,7 @@ impl WithSimd for Magnitudes<'_> {
 
 /// Adds the magnitudes of some coefficients.
 #[inline(always)]
-fn add_magnitudes<S: Simd>(simd: S, sum: &mut Lanes, list: &Lanes) {
+fn add_magnitudes<S: Simd>(simd: S, sum: &mut CoefficientGroup, list: &CoefficientGroup) {
     let (sums, last) = S::as_mut_simd_f64s(sum);
     let (values, others) = S::as_simd_f64s(list);
     for (sum, value) in sums.iter_mut().zip(values) {
@@ -193,7 +193,7 @@ pub fn add_combinations(
 
 /// Lists that are copied beside each other.
 struct SideBySide<'a, 'l> {
-    packed: &'a mut [Lanes],
+    packed: &'a mut [CoefficientGroup],
     lists: &'a [&'l [f64]],
 }
 
@@ -220,7 +220,7 @@ impl WithSimd for SideBySide<'_, '_> {
 struct Combinations<'a, 's> {
     sums: &'a mut [&'s mut [f64]],
     factors: &'a [[f64; ROWS]],
-    packed: &'a [Lanes],
+    packed: &'a [CoefficientGroup],
     end: usize,
     are_unset: bool,
 }
@@ -267,7 +267,7 @@ impl WithSimd for Combinations<'_, '_> {
 
 /// Adds `factor` times some coefficients.
 #[inline(always)]
-fn add_scaled<S: Simd>(simd: S, sum: &mut Lanes, list: &Lanes, factor: f64) {
+fn add_scaled<S: Simd>(simd: S, sum: &mut CoefficientGroup, list: &CoefficientGroup, factor: f64) {
     let (sums, last) = S::as_mut_simd_f64s(sum);
     let (values, others) = S::as_simd_f64s(list);
     let factors = simd.splat_f64s(factor);
@@ -280,8 +280,9 @@ fn add_scaled<S: Simd>(simd: S, sum: &mut Lanes, list: &Lanes, factor: f64) {
 }
 
 /// A list times a factor, filled up with zeros to so many numbers.
-pub fn in_lanes(list: &[f64], factor: f64, span: usize) -> SmallVec<[Lanes; 6]> {
-    let mut lanes: SmallVec<[Lanes; 6]> = SmallVec::from_elem([0.0; LANES], span.div_ceil(LANES));
+pub fn in_lanes(list: &[f64], factor: f64, span: usize) -> SmallVec<[CoefficientGroup; 6]> {
+    let mut lanes: SmallVec<[CoefficientGroup; 6]> =
+        SmallVec::from_elem([0.0; LANES], span.div_ceil(LANES));
     let places = lanes.iter_mut().flatten().zip(list);
     places.for_each(|(place, value)| *place = factor * value);
     lanes
@@ -294,8 +295,8 @@ pub struct FactorLists {
     count: usize,
     /// Of so many numbers.
     span: usize,
-    /// Lanes by lanes, those of all products side by side.
-    lanes: Vec<Lanes>,
+    /// CoefficientGroup by lanes, those of all products side by side.
+    lanes: Vec<CoefficientGroup>,
     /// Number by number, those of all products side by side.
     single: Vec<f64>,
 }
@@ -332,7 +333,7 @@ pub fn add_symmetric_products(sum: &mut [f64], x: &FactorLists, y: &FactorLists)
 }
 
 struct SymmetricProducts<'a> {
-    sums: &'a mut [Lanes],
+    sums: &'a mut [CoefficientGroup],
     x: &'a FactorLists,
     y: &'a FactorLists,
 }
@@ -374,15 +375,20 @@ impl WithSimd for SymmetricProducts<'_> {
 }
 
 /// The same for one product, whose factors are filled up with zeros to as many lanes.
-pub fn add_symmetric_product(sum: &mut [f64], x: &[Lanes], y: &[Lanes], span: usize) {
+pub fn add_symmetric_product(
+    sum: &mut [f64],
+    x: &[CoefficientGroup],
+    y: &[CoefficientGroup],
+    span: usize,
+) {
     let (sums, _) = sum.as_chunks_mut::<LANES>();
     Arch::new().dispatch(SymmetricProduct { sums, x, y, span });
 }
 
 struct SymmetricProduct<'a> {
-    sums: &'a mut [Lanes],
-    x: &'a [Lanes],
-    y: &'a [Lanes],
+    sums: &'a mut [CoefficientGroup],
+    x: &'a [CoefficientGroup],
+    y: &'a [CoefficientGroup],
     span: usize,
 }
 
@@ -423,7 +429,11 @@ impl WithSimd for SymmetricProduct<'_> {
 
 /// The end of a column: the diagonal counts once, and behind it is nothing.
 #[inline(always)]
-fn to_diagonal(both: &Lanes, once: &Lanes, diagonal: usize) -> Lanes {
+fn to_diagonal(
+    both: &CoefficientGroup,
+    once: &CoefficientGroup,
+    diagonal: usize,
+) -> CoefficientGroup {
     std::array::from_fn(|i| match i.cmp(&diagonal) {
         Ordering::Less => both[i],
         Ordering::Equal => once[i],
