@@ -56,37 +56,52 @@ fn loop_rounding(item: &Loop, arguments: &[ArgumentValue]) -> f64 {
     SPACINGS_OF_TERMS * f64::EPSILON * displacements.sum::<f64>() / item.size
 }
 
-/// The effect of the rounding of an equation's coordinates and terms on its residual.
-fn equation_rounding(equation: &Equation, coordinates: &[f64]) -> f64 {
+/// The effect of the rounding of an equation's coordinates and terms on its residual. At a pose with larger terms than those of
+/// the motion more is accepted.
+fn equation_rounding(equation: &Equation, coordinates: &[f64]) -> Rounding {
     let terms = equation.sensitive_terms(coordinates);
-    SPACINGS_OF_TERMS * f64::EPSILON * terms * equation.weight
+    let largest = equation.summand(coordinates) * equation.weight;
+    Rounding {
+        amount: SPACINGS_OF_TERMS * f64::EPSILON * terms * equation.weight,
+        coarsest: COARSEST * largest.max(1.0),
+    }
+}
+
+/// An effect of rounding and the largest that is accepted.
+struct Rounding {
+    amount: f64,
+    coarsest: f64,
 }
 
 /// The effect of the rounding of displacements and terms on every row of a block.
-fn place_roundings(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> Vec<f64> {
-    let mut rows = vec![0.0; block.rows()];
+fn place_roundings(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> Vec<Rounding> {
+    let none = || Rounding {
+        amount: 0.0,
+        coarsest: COARSEST,
+    };
+    let mut rows: Vec<Rounding> = (0..block.rows()).map(|_| none()).collect();
     let arguments = mechanism.argument_values(coordinates);
     for (part, planned) in block.loops.iter().zip(&block.plan.loops) {
         let shifts = loop_rounding(&mechanism.loops[part.index], &arguments);
         for (k, component) in part.components.iter().enumerate() {
             // Rotations do not depend on displacements.
             if *component >= 3 {
-                rows[planned.row + k] += shifts;
+                rows[planned.row + k].amount += shifts;
             }
         }
     }
     for planned in &block.plan.equations {
-        let equation = &mechanism.equations[planned.index];
-        rows[planned.row] += equation_rounding(equation, coordinates);
+        rows[planned.row] = equation_rounding(&mechanism.equations[planned.index], coordinates);
     }
     rows
 }
 
-/// The largest residual of every row of a block that rounding explains, at most [`COARSEST`].
+/// The largest residual of every row of a block that rounding explains, if that is accepted.
 fn row_roundings(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> Vec<f64> {
     let angles = angle_rounding(mechanism, block, coordinates);
     let rows = place_roundings(mechanism, block, coordinates).into_iter();
-    rows.map(|places| (angles + places).min(COARSEST)).collect()
+    rows.map(|row| (angles + row.amount).min(row.coarsest))
+        .collect()
 }
 
 /// What is so large that its own rounding leaves a larger closure error than a pose may have.
@@ -105,7 +120,7 @@ pub fn too_large(mechanism: &Mechanism, blocks: &[Block], coordinates: &[f64]) -
             return Some(TooLarge::Angles);
         }
         let places = place_roundings(mechanism, block, coordinates);
-        let are_coarse = places.iter().any(|row| *row > COARSEST);
+        let are_coarse = places.iter().any(|row| row.amount > row.coarsest);
         are_coarse.then_some(TooLarge::Places)
     })
 }
@@ -143,41 +158,42 @@ pub(super) fn hold_beside_terms(mechanism: &Mechanism, block: &Block, coordinate
     equations.all(|index| {
         let equation = &mechanism.equations[*index];
         // What other blocks and drives have rounded.
-        let slots = equation.expression.slots().into_iter();
-        let given =
-            slots.filter(|slot| !block.unknowns.contains(slot) && coordinates[*slot] != 0.0);
-        let given: Vec<usize> = given.collect();
-        let known = match given[..] {
-            [] => 0.0,
-            _ => {
-                let slopes = equation.expression.gradient(coordinates);
-                let moved = given
-                    .iter()
-                    .map(|slot| slopes[*slot] * mechanism.scale_of(*slot));
-                ROUNDED * moved.map(f64::abs).sum::<f64>()
-            }
+        let known = || {
+            let slots = equation.expression.slots().into_iter();
+            let given =
+                slots.filter(|slot| !block.unknowns.contains(slot) && coordinates[*slot] != 0.0);
+            let slopes = equation.expression.gradient(coordinates);
+            let moved = given.map(|slot| (slopes[slot] * mechanism.scale_of(slot)).abs());
+            ROUNDED * moved.sum::<f64>()
         };
-        holds_beside_terms(equation, coordinates, known)
+        holds_beside_terms(equation, coordinates, CLOSED, known)
     })
 }
 
-/// Whether the value of an equation is rounding beside its terms, or less than `known`.
-fn holds_beside_terms(equation: &Equation, coordinates: &[f64], known: f64) -> bool {
+/// Whether the value of an equation is this share of its terms, or rounding, or less than is `known`.
+fn holds_beside_terms(
+    equation: &Equation,
+    coordinates: &[f64],
+    share: f64,
+    known: impl FnOnce() -> f64,
+) -> bool {
     let value = equation.expression.value(coordinates).abs();
     let terms = equation.summand(coordinates);
-    let rounding = SPACINGS_OF_TERMS * f64::EPSILON * equation.sensitive_terms(coordinates);
-    let rounding = rounding.min(COARSEST * terms);
+    if terms.is_normal() && value <= share * terms {
+        return true;
+    }
     // Terms that are no numbers any more, exp(-800), say nothing.
-    let is_sunk = value == 0.0 && !terms.is_normal() && equation.sinks(coordinates);
-    !is_sunk && value <= (CLOSED * terms).max(rounding).max(known)
+    if value == 0.0 && !terms.is_normal() && equation.sinks(coordinates) {
+        return false;
+    }
+    let rounding = SPACINGS_OF_TERMS * f64::EPSILON * equation.sensitive_terms(coordinates);
+    value <= rounding.min(COARSEST * terms) || value <= known()
 }
 
-/// Whether all loops close and all equations hold, as well as the rounding of the coordinates permits; equations beside their own
-/// terms at the pose.
-pub fn is_assembled(mechanism: &Mechanism, coordinates: &[f64]) -> bool {
+/// Whether all equations hold beside their own terms at a pose, to this share of them.
+pub fn all_hold_beside_terms(mechanism: &Mechanism, coordinates: &[f64], share: f64) -> bool {
     let mut equations = mechanism.equations.iter();
-    closes(mechanism, coordinates)
-        && equations.all(|equation| holds_beside_terms(equation, coordinates, 0.0))
+    equations.all(|equation| holds_beside_terms(equation, coordinates, share, || 0.0))
 }
 
 /// Whether all loops close and all equations hold, as well as the rounding of the coordinates permits.
@@ -187,15 +203,16 @@ pub fn closes(mechanism: &Mechanism, coordinates: &[f64]) -> bool {
         return true;
     }
     let arguments = mechanism.argument_values(coordinates);
-    let allowed = |rounding: f64| rounding.clamp(CLOSED, COARSEST);
     let are_loops_closed = mechanism.loops.iter().all(|item| {
         let (angle, distance) = loop_gap(item, &arguments);
-        angle <= CLOSED && distance / item.size <= allowed(loop_rounding(item, &arguments))
+        let rounding = loop_rounding(item, &arguments).min(COARSEST);
+        angle <= CLOSED && distance / item.size <= rounding.max(CLOSED)
     });
     let mut equations = mechanism.equations.iter();
     are_loops_closed
         && equations.all(|equation| {
             let value = equation.expression.value(coordinates) * equation.weight;
-            value.abs() <= allowed(equation_rounding(equation, coordinates))
+            let rounding = equation_rounding(equation, coordinates);
+            value.abs() <= rounding.amount.min(rounding.coarsest).max(CLOSED)
         })
 }

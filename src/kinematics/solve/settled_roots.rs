@@ -15,6 +15,10 @@ use crate::model::mechanism::Mechanism;
 /// told apart.
 const REACHED: f64 = 1e-12;
 
+/// A pose that is within this of its root, in scaled unknowns, stays where it is: the root of rounding, as near as Newton's method
+/// comes to a double root.
+const BESIDE: f64 = 3e-8;
+
 /// Largest ratio of successive steps that lead to a root: of one of order twenty. Those that lead to infinity approach one.
 const SLOWEST: f64 = 0.95;
 
@@ -54,11 +58,10 @@ pub(super) fn settle_block(mechanism: &Mechanism, block: &Block, coordinates: &m
             if jumps { left / length } else { 1.0 },
         );
         if is_there || hold_beside_terms(mechanism, block, coordinates) {
-            // A pose that was closed to rounding keeps its digits.
             let moved = |slot: &usize| {
                 (coordinates[*slot] - before[*slot]).abs() / mechanism.scale_of(*slot)
             };
-            if block.unknowns.iter().all(|slot| moved(slot) <= REACHED) {
+            if block.unknowns.iter().all(|slot| moved(slot) <= BESIDE) {
                 coordinates.copy_from_slice(&before);
             }
             return true;

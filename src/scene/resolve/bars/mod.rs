@@ -4,7 +4,7 @@
 //! become unknowns, called `BAR.from.x` and so on, which are determined by a loop that closes in a point (a pin). The
 //! equation of a bar is therefore quadratic in its coordinates, whatever carries its ends.
 
-mod ends;
+pub mod ends;
 pub mod equations;
 pub mod parsed;
 mod pins;

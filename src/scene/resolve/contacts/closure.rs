@@ -4,7 +4,8 @@
 use super::super::super::contacts::ContactSurface;
 use super::super::super::formula::compile::{compile_formula, constant_node, exact_constant};
 use super::super::super::formula::expansion::Factor;
-use super::super::super::formula::node::FormulaNode;
+use super::super::super::formula::node::{FormulaNode, NodeKind};
+use super::super::bars::ends::shift_along;
 use super::super::joints::FoldedJoints;
 use super::super::names::{Meaning, Names};
 use super::super::symbolic::{
@@ -183,8 +184,8 @@ impl Contacts {
     }
 }
 
-/// The frames of a contact's surfaces relative to the last frame that carries both, moved together by the displacement between the
-/// fixed frames with which they begin: what both have in common, however far away, is not subtracted at every pose.
+/// The frames of a contact's surfaces relative to the last frame that carries both, and to the place at which the first begins:
+/// what both have in common, however far away, is not subtracted at every pose.
 fn closed_chains(
     contact: &ParsedContact,
     names: &Names,
@@ -193,19 +194,39 @@ fn closed_chains(
     let [first, second] = contact.sides.each_ref().map(|side| &side.frame);
     let pairs = first.iter().zip(second);
     let shared = pairs.take_while(|(a, b)| a.is_alike(b)).count();
-    let (first, second) = (&first[shared..], &second[shared..]);
+    let [first, second] = [&first[shared..], &second[shared..]];
     let stands = |factor: &&Factor| match factor {
         Factor::Elementary(ElementaryMotion::Translation, _, node) => is_constant(node, names),
         _ => false,
     };
-    let standing = first.iter().take_while(stands).count();
-    let are_both = second.first().is_some_and(|factor| stands(&factor));
-    let (lead, own) = first.split_at(if are_both { standing } else { 0 });
-    let back = lead.iter().rev().cloned().map(Factor::inverse);
-    let second: Vec<Factor> = back.chain(second.iter().cloned()).collect();
+    // Displacements commute, and the differences of numbers are exact to 31 digits.
+    let [a, b] = [first, second].map(|side| side.iter().take_while(stands).count());
+    let ends = match a > 0 && b > 0 {
+        true => [
+            first[a..].to_vec(),
+            between_places(&first[..a], &second[..b], &second[b..]),
+        ],
+        false => [first.to_vec(), second.to_vec()],
+    };
     // Errors in the frames have been reported.
     let mut chain = |factors: &[Factor]| joints.chain(factors, &mut Diagnostics::default());
-    Some([chain(own)?, chain(&second)?])
+    Some([chain(&ends[0])?, chain(&ends[1])?])
+}
+
+/// The displacement from one place to another, and the rest of a chain.
+fn between_places(from: &[Factor], to: &[Factor], rest: &[Factor]) -> Vec<Factor> {
+    let span = to[0].place();
+    let shift = |axis: usize| {
+        let [a, b] = [from, to].map(|place| Box::new(shift_along(place, axis, &span)));
+        let kind = NodeKind::Binary('-', b, a);
+        let span = span.clone();
+        Factor::Elementary(
+            ElementaryMotion::Translation,
+            axis,
+            FormulaNode { kind, span },
+        )
+    };
+    (0..3).map(shift).chain(rest.iter().cloned()).collect()
 }
 
 /// Whether a formula has the same value at every pose.
