@@ -3,7 +3,7 @@
 //! Two poses are copies if every pose on the straight way between them closes as well as they do.
 
 use super::sets::lost_rank;
-use crate::kinematics::solve::closure::{CLOSED, all_hold_beside_terms, closes};
+use crate::kinematics::solve::closure::{all_hold_beside_terms, closes};
 use crate::kinematics::solve::turns::WholeTurns;
 use crate::kinematics::structure::system::System;
 
@@ -24,6 +24,6 @@ pub fn are_copies(system: &System, a: &[f64], b: &[f64]) -> bool {
         for (slot, turn) in turns.iter().enumerate() {
             between[slot] += share * (b[slot] - turn - a[slot]);
         }
-        closes(mechanism, &between) && all_hold_beside_terms(mechanism, &between, CLOSED)
+        closes(mechanism, &between) && all_hold_beside_terms(mechanism, &between)
     })
 }

@@ -6,8 +6,8 @@
 use super::alike::{Alike, largest_difference};
 use super::walk::BranchPath;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::solve::closure::all_hold_beside_terms;
 use crate::kinematics::solve::newton::{Corrector, Pace};
+use crate::kinematics::solve::settled_roots::settle_block;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::linalg::svd::{jacobian_conditioning, null_space};
@@ -30,10 +30,6 @@ const BESIDE: f64 = 1.5;
 
 /// A step moves some link by at least this, in radians or sizes; less is only a change of coordinates.
 const SEEN: f64 = 1e-3;
-
-/// Share of its own terms up to which an equation holds on a set: points of a set are closed far better, and where terms vanish,
-/// as those of exp(-x) do, nothing is left of them but the value.
-const NEAR_MISS: f64 = 1e-6;
 
 /// A continuous set of solutions.
 pub struct Continuum {
@@ -118,7 +114,7 @@ fn follow_set(
         for step in 1..=most {
             if !path.step(STEP)
                 || !closes_again(system, &mut corrector, &mut path.coordinates)
-                || !all_hold_beside_terms(mechanism, &path.coordinates, NEAR_MISS)
+                || !is_at_root(system, &path.coordinates)
             {
                 break;
             }
@@ -150,4 +146,11 @@ fn closes_again(system: &System, corrector: &mut Corrector, coordinates: &mut [f
     corrector
         .correct(system, coordinates, Pace::Patient)
         .converged
+}
+
+/// Whether equations are small at a pose because a root is there, not because their terms vanish.
+fn is_at_root(system: &System, pose: &[f64]) -> bool {
+    let mut pose = pose.to_vec();
+    let mut blocks = system.blocks().iter();
+    blocks.all(|block| settle_block(system.mechanism(), block, &mut pose))
 }

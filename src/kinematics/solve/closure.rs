@@ -109,7 +109,7 @@ fn row_roundings(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> V
 pub enum TooLarge {
     /// The angles of some block.
     Angles,
-    /// Displacements, or the terms of an equation, beside the unit of a loop or an equation.
+    /// Displacements beside the unit of a loop, or coordinates beside the length of a bar.
     Places,
 }
 
@@ -119,7 +119,11 @@ pub fn too_large(mechanism: &Mechanism, blocks: &[Block], coordinates: &[f64]) -
         if angle_rounding(mechanism, block, coordinates) > COARSEST {
             return Some(TooLarge::Angles);
         }
-        let places = place_roundings(mechanism, block, coordinates);
+        let mut places = place_roundings(mechanism, block, coordinates);
+        // Other formulas may be steep, such as asin(x) near one: that is no matter of places.
+        let formulas = block.plan.equations.iter();
+        let others = formulas.filter(|planned| planned.quadratic.is_none());
+        others.for_each(|planned| places[planned.row].amount = 0.0);
         let are_coarse = places.iter().any(|row| row.amount > row.coarsest);
         are_coarse.then_some(TooLarge::Places)
     })
@@ -166,20 +170,19 @@ pub(super) fn hold_beside_terms(mechanism: &Mechanism, block: &Block, coordinate
             let moved = given.map(|slot| (slopes[slot] * mechanism.scale_of(slot)).abs());
             ROUNDED * moved.sum::<f64>()
         };
-        holds_beside_terms(equation, coordinates, CLOSED, known)
+        holds_beside_terms(equation, coordinates, known)
     })
 }
 
-/// Whether the value of an equation is this share of its terms, or rounding, or less than is `known`.
+/// Whether the value of an equation is little beside its terms, or rounding, or less than is `known`.
 fn holds_beside_terms(
     equation: &Equation,
     coordinates: &[f64],
-    share: f64,
     known: impl FnOnce() -> f64,
 ) -> bool {
     let value = equation.expression.value(coordinates).abs();
     let terms = equation.summand(coordinates);
-    if terms.is_normal() && value <= share * terms {
+    if terms.is_normal() && value <= CLOSED * terms {
         return true;
     }
     // Terms that are no numbers any more, exp(-800), say nothing.
@@ -190,10 +193,10 @@ fn holds_beside_terms(
     value <= rounding.min(COARSEST * terms) || value <= known()
 }
 
-/// Whether all equations hold beside their own terms at a pose, to this share of them.
-pub fn all_hold_beside_terms(mechanism: &Mechanism, coordinates: &[f64], share: f64) -> bool {
+/// Whether all equations hold beside their own terms at a pose.
+pub fn all_hold_beside_terms(mechanism: &Mechanism, coordinates: &[f64]) -> bool {
     let mut equations = mechanism.equations.iter();
-    equations.all(|equation| holds_beside_terms(equation, coordinates, share, || 0.0))
+    equations.all(|equation| holds_beside_terms(equation, coordinates, || 0.0))
 }
 
 /// Whether all loops close and all equations hold, as well as the rounding of the coordinates permits.

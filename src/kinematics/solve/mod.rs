@@ -13,6 +13,6 @@ pub mod pose_check;
 pub mod pose_solver;
 pub mod predictor;
 pub mod random_starts;
-mod settled_roots;
+pub mod settled_roots;
 pub(crate) mod turns;
 pub mod wishes;

@@ -30,7 +30,7 @@ const MOST_STEPS: usize = 60;
 
 /// Moves the unknowns of a block, which is closed beside the terms of the whole motion, to a root of its equations; false if there
 /// is none nearby.
-pub(super) fn settle_block(mechanism: &Mechanism, block: &Block, coordinates: &mut [f64]) -> bool {
+pub fn settle_block(mechanism: &Mechanism, block: &Block, coordinates: &mut [f64]) -> bool {
     if block.unknowns.is_empty() || hold_beside_terms(mechanism, block, coordinates) {
         return true;
     }
