@@ -605,3 +605,23 @@ fn empty_plots_and_curves_are_told() {
         assert!(w.path("p.svg").exists());
     }
 }
+
+/// A drive that turns far from sample to sample is not drawn as it is: the picture says so, and how many samples are enough.
+#[test]
+fn coarse_samples_are_told() {
+    for (turns, samples, enough) in [
+        (1, 25, None),
+        (0, 3, None),
+        (1, 9, Some(81)),
+        (360, 361, Some(25_992)),
+        (359, 361, Some(25_920)),
+    ] {
+        let text = crank(40.0, 80.0).replace("90*t", &format!("{}*t", 90 * turns));
+        let notes = charted(&text, samples).notes;
+        let note = notes
+            .iter()
+            .find_map(|note| note.split("--samples ").nth(1));
+        let told = note.and_then(|rest| rest.split(' ').next()?.parse::<u64>().ok());
+        assert_eq!(told, enough, "{turns} turns: {notes:?}");
+    }
+}
