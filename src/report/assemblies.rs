@@ -1,5 +1,6 @@
 //! The result of a search for assemblies, in words.
 
+use super::rounded::at_least_three;
 use super::sentences::counted_things;
 use crate::kinematics::assemblies::{Mode, Modes, StartKind, UNSEEN};
 use crate::kinematics::structure::block::slot_names;
@@ -147,7 +148,7 @@ fn search_range(mechanism: &Mechanism, modes: &Modes) -> Option<String> {
             Kind::Length => (*reach, format!(" {}", mechanism.length_unit)),
             Kind::Number => (*reach, String::new()),
         };
-        format!("`{}` up to {value:.1e}{unit}", unknown.name)
+        format!("`{}` up to {}{unit}", unknown.name, at_least_three(value))
     });
     let list = reaches.collect::<Vec<_>>().join(", ");
     (!list.is_empty()).then(|| {

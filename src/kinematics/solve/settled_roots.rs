@@ -35,7 +35,7 @@ pub fn settle_block(mechanism: &Mechanism, block: &Block, coordinates: &mut [f64
         return true;
     }
     let before: Vec<f64> = coordinates.to_vec();
-    let mut path = Steps::default();
+    let mut path = RootSteps::default();
     let mut last: Option<f64> = None;
     for _ in 0..MOST_STEPS {
         let Some(length) = path.find(mechanism, block, coordinates) else {
@@ -74,13 +74,13 @@ pub fn settle_block(mechanism: &Mechanism, block: &Block, coordinates: &mut [f64
 
 /// Newton's steps with every row in units of its gradient, so that equations whose terms vanish count as much as others.
 #[derive(Default)]
-struct Steps {
+struct RootSteps {
     workspace: BlockWorkspace,
     factors: PivotedQr,
     step: Vec<f64>,
 }
 
-impl Steps {
+impl RootSteps {
     /// The step from a pose, and its largest entry in scaled unknowns; none where an equation has no gradient.
     fn find(&mut self, mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> Option<f64> {
         let (rows, columns) = (block.rows(), block.unknowns.len());
