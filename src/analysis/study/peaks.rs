@@ -255,8 +255,10 @@ impl<'f, 'w> Peaks<'f, 'w> {
         if !all.all(|v| v.is_finite()) || self.evaluator.is_cancelled() {
             return Err(Rejection::NoValue("the objective".to_owned()));
         }
-        let mut slopes = peak_gradients.peaks.iter().chain(&peak_gradients.limits);
-        if !slopes.all(|row| row.iter().all(|slope| slope.is_finite())) {
+        // What counts must have derivatives: the largest peak.
+        let pairs = peak_values.peaks.iter().zip(&peak_gradients.peaks);
+        let top = pairs.max_by(|a, b| a.0.total_cmp(b.0));
+        if top.is_some_and(|(_, row)| row.iter().any(|slope| !slope.is_finite())) {
             return Err(Rejection::NoDerivative("the objective".to_owned()));
         }
         let largest = |list: &[f64]| list.iter().copied().fold(f64::NEG_INFINITY, f64::max);

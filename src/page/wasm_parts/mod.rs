@@ -8,7 +8,7 @@ mod operands;
 mod reader;
 
 use operands::{ADDRESS, Entry, OperandTable, Operands, PREFIXES};
-use reader::{Reader, push_number};
+use reader::{WasmReader, push_number};
 
 /// The first byte of a sorted file. A plain one begins with zero.
 const SORTED: u8 = 1;
@@ -36,7 +36,7 @@ const KINDS: usize = 18;
 
 /// The kinds of parts, in the order of their lists.
 #[derive(Clone, Copy)]
-enum Kind {
+enum PartKind {
     /// Everything but the bodies of functions.
     Rest,
     /// Types of local variables.
@@ -66,7 +66,7 @@ enum Kind {
 }
 
 /// The lists of parts, as they grow.
-struct Parts {
+struct SortedParts {
     lists: [Vec<u8>; KINDS],
     table: OperandTable,
     /// Local variables of the present function, the last used one first. Behind these are all others in their order.
@@ -75,7 +75,7 @@ struct Parts {
 
 /// The same file with its parts sorted; `None` if it is not as compilers write it.
 pub(super) fn sorted_parts(file: &[u8]) -> Option<Vec<u8>> {
-    let mut reader = Reader {
+    let mut reader = WasmReader {
         bytes: file,
         at: HEAD,
     };
@@ -86,16 +86,16 @@ pub(super) fn sorted_parts(file: &[u8]) -> Option<Vec<u8>> {
         let body = reader.take(length)?;
         if section == CODE {
             let rest = [&file[..start], &file[reader.at..]].concat();
-            let section = Reader { bytes: body, at: 0 };
-            return Parts::new(rest).sorted([file.len(), start], section);
+            let section = WasmReader { bytes: body, at: 0 };
+            return SortedParts::new(rest).sorted([file.len(), start], section);
         }
     }
 }
 
-impl Parts {
+impl SortedParts {
     fn new(rest: Vec<u8>) -> Self {
         let mut lists: [Vec<u8>; KINDS] = Default::default();
-        lists[Kind::Rest as usize] = rest;
+        lists[PartKind::Rest as usize] = rest;
         Self {
             lists,
             table: OperandTable::new(),
@@ -104,12 +104,12 @@ impl Parts {
     }
 
     /// Of the file's length, and the place where the section begins in it.
-    fn sorted(mut self, of_file: [usize; 2], mut section: Reader) -> Option<Vec<u8>> {
+    fn sorted(mut self, of_file: [usize; 2], mut section: WasmReader) -> Option<Vec<u8>> {
         let functions = section.number()?;
         for _ in 0..functions {
             let length = section.number()?;
             let bytes = section.take(length)?;
-            self.sort_function(&mut Reader { bytes, at: 0 })?;
+            self.sort_function(&mut WasmReader { bytes, at: 0 })?;
         }
         let mut sorted = vec![SORTED];
         for number in of_file.into_iter().chain([functions]) {
@@ -123,34 +123,34 @@ impl Parts {
         (section.at == section.bytes.len()).then_some(sorted)
     }
 
-    fn list(&mut self, kind: Kind) -> &mut Vec<u8> {
+    fn list(&mut self, kind: PartKind) -> &mut Vec<u8> {
         &mut self.lists[kind as usize]
     }
 
-    fn move_number(&mut self, kind: Kind, body: &mut Reader) -> Option<()> {
+    fn move_number(&mut self, kind: PartKind, body: &mut WasmReader) -> Option<()> {
         self.list(kind).extend_from_slice(body.number_bytes()?);
         Some(())
     }
 
-    fn move_bytes(&mut self, kind: Kind, body: &mut Reader, count: usize) -> Option<()> {
+    fn move_bytes(&mut self, kind: PartKind, body: &mut WasmReader, count: usize) -> Option<()> {
         self.list(kind).extend_from_slice(body.take(count)?);
         Some(())
     }
 
     /// Moves a number of items, and them.
-    fn move_list(&mut self, kind: Kind, body: &mut Reader, more: usize) -> Option<()> {
+    fn move_list(&mut self, kind: PartKind, body: &mut WasmReader, more: usize) -> Option<()> {
         let count = body.number()?;
         push_number(self.list(kind), count);
         (0..count + more).try_for_each(|_| self.move_number(kind, body))
     }
 
-    fn sort_function(&mut self, body: &mut Reader) -> Option<()> {
+    fn sort_function(&mut self, body: &mut WasmReader) -> Option<()> {
         self.recent.clear();
         let groups = body.number()?;
-        push_number(self.list(Kind::Declarations), groups);
+        push_number(self.list(PartKind::Declarations), groups);
         for _ in 0..groups {
-            self.move_number(Kind::Declarations, body)?;
-            self.move_bytes(Kind::Declarations, body, 1)?;
+            self.move_number(PartKind::Declarations, body)?;
+            self.move_bytes(PartKind::Declarations, body, 1)?;
         }
         let mut depth = 1;
         while depth > 0 {
@@ -165,58 +165,60 @@ impl Parts {
         (body.at == body.bytes.len()).then_some(())
     }
 
-    fn sort_operation(&mut self, body: &mut Reader) -> Option<Entry> {
+    fn sort_operation(&mut self, body: &mut WasmReader) -> Option<Entry> {
         let operation = body.byte()?;
-        self.list(Kind::Operations).push(operation);
+        self.list(PartKind::Operations).push(operation);
         let Some(prefix) = PREFIXES.iter().position(|prefix| *prefix == operation) else {
             return Some(self.table.0[0][usize::from(operation)]);
         };
         let second = body.number()?;
-        push_number(self.list(Kind::Others), second);
+        push_number(self.list(PartKind::Others), second);
         self.table.0[1 + prefix].get(second).copied()
     }
 
-    fn sort_operands(&mut self, entry: Entry, body: &mut Reader) -> Option<()> {
+    fn sort_operands(&mut self, entry: Entry, body: &mut WasmReader) -> Option<()> {
         match entry.operands {
             // An operation has no third part.
             Operands::Unknown | Operands::Second | Operands::Address => None,
             Operands::None | Operands::End => Some(()),
-            Operands::Block => self.move_number(Kind::Blocks, body),
-            Operands::Label => self.move_number(Kind::Labels, body),
-            Operands::Labels => self.move_list(Kind::Labels, body, 1),
-            Operands::Call => self.move_number(Kind::Calls, body),
-            Operands::Read => self.sort_local(Kind::Reads, body),
-            Operands::Write => self.sort_local(Kind::Writes, body),
-            Operands::Global => self.move_number(Kind::Globals, body),
+            Operands::Block => self.move_number(PartKind::Blocks, body),
+            Operands::Label => self.move_number(PartKind::Labels, body),
+            Operands::Labels => self.move_list(PartKind::Labels, body, 1),
+            Operands::Call => self.move_number(PartKind::Calls, body),
+            Operands::Read => self.sort_local(PartKind::Reads, body),
+            Operands::Write => self.sort_local(PartKind::Writes, body),
+            Operands::Global => self.move_number(PartKind::Globals, body),
             Operands::Memory => self.sort_place(entry, body),
             Operands::MemoryLane => {
                 self.sort_place(entry, body)?;
-                self.move_bytes(Kind::Others, body, 1)
+                self.move_bytes(PartKind::Others, body, 1)
             }
             Operands::Integer => self.sort_integer(body),
-            Operands::Long => self.move_number(Kind::Longs, body),
-            Operands::Float => self.move_bytes(Kind::Floats, body, 4),
-            Operands::Double => self.move_bytes(Kind::Floats, body, 8),
-            Operands::Vector => self.move_bytes(Kind::Floats, body, 16),
-            Operands::One => self.move_number(Kind::Others, body),
+            Operands::Long => self.move_number(PartKind::Longs, body),
+            Operands::Float => self.move_bytes(PartKind::Floats, body, 4),
+            Operands::Double => self.move_bytes(PartKind::Floats, body, 8),
+            Operands::Vector => self.move_bytes(PartKind::Floats, body, 16),
+            Operands::One => self.move_number(PartKind::Others, body),
             Operands::Two => {
-                self.move_number(Kind::Others, body)?;
-                self.move_number(Kind::Others, body)
+                self.move_number(PartKind::Others, body)?;
+                self.move_number(PartKind::Others, body)
             }
-            Operands::Types => self.move_list(Kind::Others, body, 0),
-            Operands::Lane => self.move_bytes(Kind::Others, body, 1),
+            Operands::Types => self.move_list(PartKind::Others, body, 0),
+            Operands::Lane => self.move_bytes(PartKind::Others, body, 1),
         }
     }
 
-    fn sort_integer(&mut self, body: &mut Reader) -> Option<()> {
+    fn sort_integer(&mut self, body: &mut WasmReader) -> Option<()> {
         let bytes = body.number_bytes()?;
         let is_added = body.bytes.get(body.at) == Some(&ADD);
         let kind = match is_added {
-            _ if bytes.len() >= MANY => Kind::Addresses,
-            true => Kind::Addends,
-            false => Kind::Integers,
+            _ if bytes.len() >= MANY => PartKind::Addresses,
+            true => PartKind::Addends,
+            false => PartKind::Integers,
         };
-        if let (Kind::Addresses, Some(last)) = (kind, self.list(Kind::Operations).last_mut()) {
+        if let (PartKind::Addresses, Some(last)) =
+            (kind, self.list(PartKind::Operations).last_mut())
+        {
             *last = ADDRESS;
         }
         self.list(kind).extend_from_slice(bytes);
@@ -224,19 +226,19 @@ impl Parts {
     }
 
     /// Alignment and offset of a load or store.
-    fn sort_place(&mut self, entry: Entry, body: &mut Reader) -> Option<()> {
+    fn sort_place(&mut self, entry: Entry, body: &mut WasmReader) -> Option<()> {
         let alignment = body.byte().filter(|byte| byte & 0x80 == 0)?;
         let less = entry.natural.wrapping_sub(alignment);
         let kind = match entry.natural {
-            WIDE.. => Kind::WideAlignments,
-            _ => Kind::Alignments,
+            WIDE.. => PartKind::WideAlignments,
+            _ => PartKind::Alignments,
         };
         self.list(kind).push(less);
-        self.move_number(Kind::Offsets, body)
+        self.move_number(PartKind::Offsets, body)
     }
 
     /// Writes how many others were used more recently.
-    fn sort_local(&mut self, kind: Kind, body: &mut Reader) -> Option<()> {
+    fn sort_local(&mut self, kind: PartKind, body: &mut WasmReader) -> Option<()> {
         let local = body.number().filter(|local| *local <= MOST_LOCALS)?;
         while self.recent.len() <= local {
             self.recent.push(self.recent.len());
@@ -270,7 +272,7 @@ mod tests {
 
     /// Numbers of lists, and the lists.
     fn lists(sorted: &[u8]) -> Vec<Vec<u8>> {
-        let mut reader = Reader {
+        let mut reader = WasmReader {
             bytes: sorted,
             at: 1,
         };

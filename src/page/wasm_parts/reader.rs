@@ -1,12 +1,12 @@
 //! Numbers and bytes of a WebAssembly file, one after the other.
 
 /// A file read from its beginning.
-pub(super) struct Reader<'a> {
+pub(super) struct WasmReader<'a> {
     pub bytes: &'a [u8],
     pub at: usize,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> WasmReader<'a> {
     pub fn take(&mut self, count: usize) -> Option<&'a [u8]> {
         let taken = self.bytes.get(self.at..self.at.checked_add(count)?)?;
         self.at += count;

@@ -268,7 +268,7 @@ fn a_mesh_in_contact_is_not_cut() {
         .replace("Tx(0) Tx(80) Rz(b) Tx(1) Rz(b)", "Tx(-40) Rz(b)")
         .replace(
             "cylinder = { from = [0, 0, -5], to = [0, 0, 5], radius = 3 }",
-            "box = { center = [0, 0, -5.999], size = [9, 9, 2] }",
+            "box = { center = [0, 0, -6], size = [9, 9, 2] }",
         );
     w.write(
         "table.toml",

@@ -177,40 +177,40 @@ fn meshes_that_are_in_other_bodies_do_not_pass_as_touching() {
     let ball = "{ sphere = { radius = 20 } }";
     let mesh = "{ stl = { file = \"cube.stl\" } }";
     // Resting on it, and sliding or turning there.
-    let touching = ["Tz(50)", "Tx(0.3*t) Tz(50)", "Tz(50) Rz(0.2*t)"];
+    let touching = ["Tz(50)", "Tx(0.3*u) Tz(50)", "Tz(50) Rz(0.2*u)"];
     let mut rows: Vec<(&str, String, [bool; 2])> = touching
         .map(|frame| (block, frame.to_owned(), [false, false]))
         .into();
     rows.push((ball, "Tz(25)".to_owned(), [false, false]));
-    rows.push((mesh, "Tx(2*t) Tz(10)".to_owned(), [false, false]));
+    rows.push((mesh, "Tx(2*u) Tz(10)".to_owned(), [false, false]));
     // In it by any depth, down to wholly inside.
     for depth in ["0.01", "1", "9", "20", "40", "80"] {
-        rows.push((block, format!("Tx(t) Tz(50 - {depth})"), [false, true]));
-        rows.push((block, format!("Tz(50 - {depth}) Rx(0.01*t)"), [false, true]));
+        rows.push((block, format!("Tx(u) Tz(50 - {depth})"), [false, true]));
+        rows.push((block, format!("Tz(50 - {depth}) Rx(0.01*u)"), [false, true]));
     }
     for depth in ["0.01", "4", "20"] {
-        rows.push((ball, format!("Tx(0.1*t) Tz(25 - {depth})"), [false, true]));
-        rows.push((mesh, format!("Tx(t) Tz(10 - 0.4*{depth})"), [false, true]));
+        rows.push((ball, format!("Tx(0.1*u) Tz(25 - {depth})"), [false, true]));
+        rows.push((mesh, format!("Tx(u) Tz(10 - 0.4*{depth})"), [false, true]));
     }
     // Cut through its middle, at some of the time, and between the samples only.
-    rows.push((plate, "Tx(t)".to_owned(), [false, true]));
-    rows.push((plate, "Tx(t) Ry(0.3)".to_owned(), [false, true]));
-    rows.push((block, "Tz(50 + 0.5*sin(2*pi*t))".to_owned(), [true, true]));
+    rows.push((plate, "Tx(u)".to_owned(), [false, true]));
+    rows.push((plate, "Tx(u) Ry(0.3)".to_owned(), [false, true]));
+    rows.push((block, "Tz(50 + 0.5*sin(2*pi*u))".to_owned(), [true, true]));
     rows.push((
         block,
-        "Tz(50 - 0.5*sin(4*pi*t)^2)".to_owned(),
+        "Tz(50 - 0.5*sin(4*pi*u)^2)".to_owned(),
         [false, true],
     ));
     rows.push((
         block,
-        "Tz(50 + 0.5*sin(4*pi*t)^2)".to_owned(),
+        "Tz(50 + 0.5*sin(4*pi*u)^2)".to_owned(),
         [true, false],
     ));
     for (other, frame, [parts, overlaps]) in rows {
         w.write(
             "scene.toml",
             format!(
-                "title = \"cube\"\nunits = {{ length = \"mm\", angle = \"rad\" }}\nduration = 1\n\
+                "title = \"cube\"\nunits = {{ length = \"mm\", angle = \"rad\" }}\nduration = 1\n[inputs]\nu = \"t\"\n\
                  [[bodies]]\nname = \"A\"\nshapes = [{other}]\n\
                  [[bodies]]\nname = \"B\"\nframe = \"{frame}\"\nshapes = [{mesh}]\n\
                  [clearance]\ntouching = [{{ pair = [\"A\", \"B\"] }}]\n"

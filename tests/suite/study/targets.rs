@@ -591,7 +591,7 @@ fn rows_without_weight_are_in_no_order() {
     };
     let (text, in_order) = found("0");
     assert_eq!(in_order, true, "{text}");
-    assert!(text.contains("8 of 8 met"), "{text}");
+    assert!(text.contains("8 of 8 have a pose"), "{text}");
     let (text, in_order) = found("1");
     assert_eq!(in_order, false, "{text}");
 }

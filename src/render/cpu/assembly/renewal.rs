@@ -40,6 +40,7 @@ impl TriangleAssembly {
         pattern: &SamplePattern<G>,
         mut changes: Vec<Change>,
     ) -> bool {
+        // What is where, by the numbers of vertices and facets: those of still instances stay.
         let before = std::mem::take(&mut self.places);
         self.list_instances(frame, solids);
         if !self.keep_places(&before, &mut changes) {
@@ -54,6 +55,7 @@ impl TriangleAssembly {
             }
         }
         self.remove_moved(&changes);
+        // Vertices of moved instances anew. A shape that is cut off at the camera has vertices that it had not before.
         let shapes = frame.instances.iter().enumerate();
         let shapes = shapes.filter_map(|(index, i)| Some((index, i, solids.get(i.mesh)?)));
         for (index, instance, solid) in shapes.clone() {
@@ -70,6 +72,7 @@ impl TriangleAssembly {
                 return false;
             }
         }
+        // Facets of moved instances anew, and the new ones of those that have grown.
         for (index, instance, solid) in shapes {
             let from = match changes[index] {
                 Change::Still => continue,
@@ -113,6 +116,7 @@ impl TriangleAssembly {
                 std::mem::replace(&mut place.facets, start..start)
             })
             .collect();
+        // Where they were, lines and borders change too.
         let windows: Vec<Window> = (0..self.bins.len())
             .map(|tile| self.with_apron(self.window(tile)))
             .collect();

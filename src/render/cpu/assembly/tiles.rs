@@ -14,11 +14,11 @@ const BLOCK: i32 = 8;
 
 /// Facets of one tile, as indices into [`TriangleAssembly::facets`].
 #[derive(Clone, Debug)]
-pub(in crate::render::cpu) struct TileBin {
-    pub(in crate::render::cpu) opaque: Vec<u32>,
-    pub(in crate::render::cpu) translucent: Vec<u32>,
+pub struct TileBin {
+    pub opaque: Vec<u32>,
+    pub translucent: Vec<u32>,
     /// The pixels of facets that were not in the frame before, or are no more.
-    pub(in crate::render::cpu) changed: PixelMask,
+    pub changed: PixelMask,
 }
 
 impl TileBin {
@@ -29,7 +29,7 @@ impl TileBin {
     };
 
     /// Whether there is nothing but the background.
-    pub(in crate::render::cpu) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.opaque.is_empty() && self.translucent.is_empty()
     }
 }
@@ -77,6 +77,7 @@ impl ScreenTriangle {
             mask.add([left, top], &self.pixels);
             return;
         }
+        // Block by block: those that none of the sides keeps out.
         for y in (top..top + TILE as i32).step_by(BLOCK as usize) {
             for x in (left..left + TILE as i32).step_by(BLOCK as usize) {
                 let part =
@@ -105,7 +106,7 @@ fn sides_of(facet: &Facet, vertices: &[LensVertex]) -> [[i64; 3]; 3] {
 
 impl TriangleAssembly {
     /// The pixels of a tile, counted from the first that is drawn on.
-    pub(in crate::render::cpu) fn window(&self, tile: usize) -> Window {
+    pub fn window(&self, tile: usize) -> Window {
         let [column, row] = [tile % self.columns, tile / self.columns].map(|k| k as i32);
         let range = |k: i32, size: i32| [k * self.pitch, ((k + 1) * self.pitch).min(size) - 1];
         Window {
@@ -115,7 +116,7 @@ impl TriangleAssembly {
     }
 
     /// The pixels of a tile and those around it that its lines depend on.
-    pub(in crate::render::cpu) fn with_apron(&self, inner: Window) -> Window {
+    pub fn with_apron(&self, inner: Window) -> Window {
         let grown = |[first, last]: [i32; 2], size: i32| {
             [
                 (first - self.apron).max(0),
@@ -129,7 +130,7 @@ impl TriangleAssembly {
     }
 
     /// Selects the tiles that show any of the rows, of which there is at least one.
-    pub(in crate::render::cpu) fn select_rows(&mut self, rows: &Range<usize>) {
+    pub fn select_rows(&mut self, rows: &Range<usize>) {
         let [first, last] = [rows.start, rows.end - 1].map(|y| y as i32 / self.pitch);
         if self.tile_rows != [first, last] {
             self.last.forget();
@@ -149,6 +150,7 @@ impl TriangleAssembly {
         let facet = &self.facets[number as usize];
         let triangle = ScreenTriangle::new(facet, &self.vertices);
         let opaque = self.paints[facet.instance()].opacity >= 1.0;
+        // The rectangle of tiles around it.
         let tiles = |[first, last]: [i32; 2], size: i32| {
             let first = (first - self.apron).max(0) / self.pitch;
             let last = (last + self.apron).min(size - 1) / self.pitch;
@@ -156,6 +158,7 @@ impl TriangleAssembly {
         };
         let [left, right] = tiles(triangle.pixels.x, self.size[0]);
         let [top, bottom] = tiles(triangle.pixels.y, self.size[1]);
+        // Of them those that the sides do not keep out.
         let [first, last] = self.tile_rows;
         for row in top.max(first)..=bottom.min(last) {
             let start = (row - first) as usize * self.columns;
