@@ -1,5 +1,7 @@
 //! Sums of lists against plain loops.
 
+#![allow(clippy::unwrap_used)]
+
 use super::*;
 use crate::numbers::form_room::FormRoom;
 
