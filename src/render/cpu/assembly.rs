@@ -1,6 +1,7 @@
 //! From instances to the triangles that each tile has to draw: transform, cull, clip, sort into tiles.
 
 mod renewal;
+mod tile_bin;
 mod tiles;
 
 use super::clip::{ClipCorner, clip_triangle};
@@ -14,7 +15,7 @@ use crate::render::last_frame::LastFrame;
 use crate::render::look::Rgb;
 use crate::render::{Camera, Frame, Instance, MeshList, Stage, StageMesh};
 use std::ops::Range;
-pub(super) use tiles::TileBin;
+pub(super) use tile_bin::TileBin;
 
 /// Set in [`Facet::instance`] when the back of the triangle is seen.
 const BACK: u32 = 1 << 31;

@@ -4,6 +4,7 @@ use super::super::lens::LensVertex;
 use super::super::mask::PixelMask;
 use super::super::samples::SUBPIXEL_BITS;
 use super::super::window::{TILE, Window};
+use super::tile_bin::TileBin;
 use super::{Facet, TriangleAssembly};
 use std::ops::Range;
 
@@ -11,28 +12,6 @@ use std::ops::Range;
 const SMALL: i32 = 8;
 /// Side in pixels of the blocks in which the pixels of such a facet are counted.
 const BLOCK: i32 = 8;
-
-/// Facets of one tile, as indices into [`TriangleAssembly::facets`].
-#[derive(Clone, Debug)]
-pub struct TileBin {
-    pub opaque: Vec<u32>,
-    pub translucent: Vec<u32>,
-    /// The pixels of facets that were not in the frame before, or are no more.
-    pub changed: PixelMask,
-}
-
-impl TileBin {
-    pub(super) const NEW: Self = Self {
-        opaque: Vec::new(),
-        translucent: Vec::new(),
-        changed: PixelMask::ALL,
-    };
-
-    /// Whether there is nothing but the background.
-    pub fn is_empty(&self) -> bool {
-        self.opaque.is_empty() && self.translucent.is_empty()
-    }
-}
 
 /// A triangle on the screen.
 pub(super) struct ScreenTriangle {
