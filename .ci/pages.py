@@ -19,7 +19,7 @@ import sys
 import tempfile
 
 MOST_BYTES = 600_000
-MOST_LIVE = 1_700_000
+MOST_LIVE = 1_200_000
 MOVES = 60 if "--briefly" in sys.argv else 3000
 LOOKED_AT = ["gearshift", "seven-r", "four-bar", "twin-steer"]
 HOSTILE = """title = "</script><img src=x onerror=document.title='owned'>\u202etxt"
