@@ -189,7 +189,7 @@ void main() { colour = uColour; }`;
 /** Colour of the line between the two nearest points of a pair. */
 const MARK = [0.85, 0.1, 0.1, 1];
 
-/** Milliseconds of a picture above which it is coarse and its edges are rough while something moves, ... */
+/** Milliseconds of a picture above which edges are left rough while something moves, ... */
 const MOST_MILLISECONDS = 6;
 
 /** ... and after which nothing moves any more. */
@@ -197,9 +197,6 @@ const SETTLED = 150;
 
 /** Samples of a pixel on smooth edges. */
 const SAMPLES = 4;
-
-/** Pixels along a side of a picture that moves, where pictures take long, as a share of those of a sharp one. */
-const COARSE = 0.5;
 
 /** A picture with several samples a pixel, beside that of the canvas. */
 class SmoothTarget {
@@ -343,8 +340,8 @@ class Viewer {
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count - 1);
   }
 
-  /** Draws a frame; `mark` is a pair of points to be joined by a line, or null. Where that takes long, the picture is sharp
-      and its edges are smooth only once nothing moves. */
+  /** Draws a frame; `mark` is a pair of points to be joined by a line, or null. Where that takes long, edges are smooth only
+      once nothing moves. */
   draw(frame, mark) {
     clearTimeout(this.settling);
     if (this.milliseconds > MOST_MILLISECONDS) {
@@ -368,7 +365,7 @@ class Viewer {
 
   drawEdged(frame, mark, isSmooth) {
     const { gl, canvas } = this;
-    const ratio = Math.min(window.devicePixelRatio || 1, 2) * (isSmooth ? 1 : COARSE);
+    const ratio = Math.min(window.devicePixelRatio || 1, 2);
     const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((v) => Math.max(1, Math.round(v * ratio)));
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
     if (isSmooth) this.smooth.begin(width, height);
