@@ -292,14 +292,19 @@ fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairRe
     let far = (0..distances.len()).max_by(|j, k| distances[*j].total_cmp(&distances[*k]))?;
     let mut apart = sweep.sampled(motion, &samples[far..=far], None)?.moment();
     let shift = sweep.parting_shift(motion);
-    let mut cut = sweep.first_cut(motion, &samples, shift);
+    let cuts = sweep.mesh_cuts();
+    let first_cut = |motion: &ProvedMotion, instants: &[usize]| {
+        cuts.as_ref()
+            .and_then(|cuts| cuts.first(motion, instants, shift))
+    };
+    let mut cut = first_cut(motion, &samples);
     let is_deep = least.distance < -allowed || least.is_enclosed || cut.is_some();
     let mut is_broken = is_deep || apart.distance > allowed;
     // Between them: the distance is enclosed over the proved motion, finely unless that changes nothing.
     let contact = sweep.contact_over(motion, !is_broken);
     if let Some((instant, between)) = broken_between(motion, sweep, &contact) {
         is_broken = true;
-        cut = cut.or_else(|| sweep.first_cut(motion, &[instant], shift));
+        cut = cut.or_else(|| first_cut(motion, &[instant]));
         if between.distance > apart.distance {
             apart = between.moment();
         }
@@ -310,8 +315,8 @@ fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairRe
     if is_broken && !least.is_enclosed {
         least = deeper(motion, sweep, least);
     }
-    // Where a mesh is cut the distance is zero, as it is where the bodies touch.
-    if let Some(instant) = cut.filter(|_| least.distance >= 0.0) {
+    // Where a mesh is cut the distance is that of bodies that touch.
+    if let Some(instant) = cut.filter(|_| least.distance >= -allowed) {
         least = sweep.sampled(motion, &[instant], None)?;
     }
     let judgement = match contact.is_within(AT_LEAST * scale) {

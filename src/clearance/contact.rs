@@ -92,7 +92,7 @@ impl PairSweep<'_> {
     pub fn contact_over(&self, motion: &mut ProvedMotion, finely: bool) -> Contact {
         let size = self.contact_scale(motion);
         let (allowed, slack) = (BETWEEN_SAMPLES * size, self.pose_slack());
-        let shift = self.parting_shift(motion);
+        let (cuts, shift) = (self.mesh_cuts(), self.parting_shift(motion));
         let mut contact = Contact {
             low: f64::INFINITY,
             high: f64::NEG_INFINITY,
@@ -115,7 +115,13 @@ impl PairSweep<'_> {
                 let moved = self.chain.around(arguments, piece.middle, piece.half);
                 let back = || back.around(arguments, piece.middle, piece.half);
                 let [below, above] = self.contact_around(&moved, back, slack - allowed);
-                let sunk = self.sunk_around(&moved, shift);
+                let cuts = cuts.as_ref().filter(|cuts| cuts.are_met(&moved.pose));
+                // A mesh has no depth: what the distance does not tell is less than a shift that parts the bodies.
+                let sunk = match cuts {
+                    None => 0.0,
+                    Some(cuts) if cuts.are_cut_beyond(&moved.pose, shift) => f64::INFINITY,
+                    Some(_) => shift,
+                };
                 let [low, high] = [below - slack - sunk, above + slack];
                 let is_apart = low.is_finite() && low > allowed;
                 if is_apart || high < -allowed || sunk == f64::INFINITY {
@@ -153,16 +159,6 @@ impl PairSweep<'_> {
             }
         }
         contact
-    }
-
-    /// A bound of what the distance does not tell of the depth in the middle of a motion, where a mesh has none: a shift that
-    /// parts the bodies, infinite if this one does not.
-    fn sunk_around(&self, moved: &RelativeMove, shift: f64) -> f64 {
-        match self.meshes_meet(&moved.pose) {
-            false => 0.0,
-            true if self.is_cut_beyond(&moved.pose, shift) => f64::INFINITY,
-            true => shift,
-        }
     }
 
     /// Bounds of the distance of the nearest elements during a motion; a lower bound of `enough` need not be

@@ -4,7 +4,8 @@
 use super::contact::BETWEEN_SAMPLES;
 use super::motion::ProvedMotion;
 use super::sweep::{Least, PairSweep};
-use crate::distance::bodies::{enclosed_shell, nearest_bodies};
+use crate::distance::bodies::{BodyElements, LeftOut, enclosed_shell, nearest_bodies};
+use crate::distance::mesh::is_any;
 use crate::math::Pose;
 use glam::DVec3;
 
@@ -22,40 +23,75 @@ const SLANT: f64 = 1.25;
 /// How often a shift is doubled until it parts what meets at the first pose.
 const DOUBLINGS: u32 = 16;
 
-/// Along the edges and the diagonals of a cube.
-fn directions() -> impl Iterator<Item = DVec3> {
-    let axes = DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
+/// Directions along the edges and the diagonals of a cube.
+pub const DIRECTIONS: usize = 14;
+
+fn directions() -> [DVec3; DIRECTIONS] {
     let sign = |k: usize, bit: usize| if k & bit == 0 { -1.0 } else { 1.0 };
-    let corner = move |k| DVec3::new(sign(k, 1), sign(k, 2), sign(k, 4)).normalize_or_zero();
-    axes.chain((0..8).map(corner))
+    std::array::from_fn(|k| match k.checked_sub(8) {
+        None => DVec3::new(sign(k, 1), sign(k, 2), sign(k, 4)).normalize_or_zero(),
+        Some(k) => DVec3::AXES[k / 2] * sign(k, 1),
+    })
 }
 
-impl PairSweep<'_> {
-    /// Whether a mesh is cut at a solved time: the bodies meet, and no small shift parts them, which it would if they just
-    /// touched.
-    pub(super) fn is_mesh_cut(&self, motion: &ProvedMotion, time: f64) -> bool {
-        let at_time = |k: &usize| motion.instants[*k].time == time;
-        (0..motion.instants.len())
-            .filter(at_time)
-            .any(|instant| self.is_cut_beyond(&self.relative(motion, instant), CUT * self.extent))
+/// Two bodies by the pairs of their elements that have a mesh: whether others touch says nothing of these.
+pub(super) struct MeshCuts<'s> {
+    sweep: &'s PairSweep<'s>,
+    /// All other pairs of elements.
+    others: LeftOut,
+}
+
+impl MeshCuts<'_> {
+    /// Whether the bodies are in each other.
+    pub fn are_met(&self, pose: &Pose) -> bool {
+        let [first, second] = self.sweep.hulls;
+        let found = nearest_bodies(first, second, pose, &self.others);
+        found.is_some_and(|f| f.proximity.distance <= 0.0)
+            || enclosed_shell(first, second, pose, &self.others).is_some()
     }
 
-    /// Whether the bodies are in each other, a mesh among what is, and no shift as long as this parts them.
-    pub(super) fn is_cut_beyond(&self, pose: &Pose, shift: f64) -> bool {
+    /// Whether the bodies are in each other, and no shift as long as this parts them.
+    pub fn are_cut_beyond(&self, pose: &Pose, shift: f64) -> bool {
         let mut shifts = std::iter::once(DVec3::ZERO).chain(directions().map(|n| n * shift));
         shifts.all(|shift| {
             let mut moved = *pose;
             moved.translation += shift;
-            self.is_met(&moved)
+            self.are_met(&moved)
         })
     }
 
-    /// Whether the bodies are in each other, a mesh among what is.
-    fn is_met(&self, pose: &Pose) -> bool {
+    /// The first of some solved poses at which a mesh is cut: no shift of this length parts the bodies.
+    pub fn first(&self, motion: &ProvedMotion, instants: &[usize], shift: f64) -> Option<usize> {
+        let mut instants = instants.iter().copied();
+        instants.find(|k| self.are_cut_beyond(&self.sweep.relative(motion, *k), shift))
+    }
+}
+
+impl PairSweep<'_> {
+    /// What cuts may be looked for among; nothing without a mesh.
+    pub(super) fn mesh_cuts(&self) -> Option<MeshCuts<'_>> {
         let [first, second] = self.hulls;
-        let found = nearest_bodies(first, second, pose, &self.left_out);
-        found.is_some_and(|f| self.meets(f.elements, f.proximity.distance))
-            || enclosed_shell(first, second, pose, &self.left_out).is_some()
+        if !self.hulls.iter().any(|hull| hull.has_mesh()) {
+            return None;
+        }
+        let pairs = BodyElements::pairs_of(self.hulls, |_| true);
+        let is_other = |[i, j]: &[usize; 2]| {
+            !is_any([&first.elements[*i], &second.elements[*j]])
+                || self.left_out.contains(&[*i, *j])
+        };
+        Some(MeshCuts {
+            sweep: self,
+            others: pairs.filter(is_other).collect(),
+        })
+    }
+
+    /// Whether a mesh is cut at a solved time: the bodies meet, and no small shift parts them, which it would if they just
+    /// touched.
+    pub(super) fn is_mesh_cut(&self, motion: &ProvedMotion, time: f64) -> bool {
+        let all = 0..motion.instants.len();
+        let at_time: Vec<usize> = all.filter(|k| motion.instants[*k].time == time).collect();
+        let cuts = self.mesh_cuts();
+        cuts.is_some_and(|cuts| cuts.first(motion, &at_time, CUT * self.extent).is_some())
     }
 
     /// The shift that parts bodies in contact, a mesh among what meets.
@@ -63,33 +99,17 @@ impl PairSweep<'_> {
         PARTING * BETWEEN_SAMPLES * self.contact_scale(motion) + self.pose_slack()
     }
 
-    /// Whether bodies in contact are in each other at this pose, a mesh among them.
-    pub(super) fn meshes_meet(&self, pose: &Pose) -> bool {
-        self.hulls.iter().any(|hull| hull.has_mesh()) && self.is_met(pose)
-    }
-
-    /// The first of some solved poses at which a mesh is cut: no shift of this length parts the bodies.
-    pub(super) fn first_cut(
-        &self,
-        motion: &ProvedMotion,
-        instants: &[usize],
-        shift: f64,
-    ) -> Option<usize> {
-        let poses = instants.iter().map(|k| (*k, self.relative(motion, *k)));
-        let mut met = poses.filter(|(_, pose)| self.meshes_meet(pose));
-        Some(met.find(|(_, pose)| self.is_cut_beyond(pose, shift))?.0)
-    }
-
     /// A pose at which meshes are farther in each other than at the first one, by more than `growth`: it is looked for at every
     /// sample and in the middle of every stretch. `None` also where nothing parts them at the first pose.
     pub(super) fn cut_deeper(&self, motion: &mut ProvedMotion, growth: f64) -> Option<Least> {
+        let cuts = self.mesh_cuts()?;
         let first = self.relative(motion, motion.assembled()?);
-        let at_first = |shift: &f64| !self.is_cut_beyond(&first, *shift);
+        let at_first = |shift: &f64| !cuts.are_cut_beyond(&first, *shift);
         let parted = (0..DOUBLINGS).map(|k| growth * f64::from(1_u32 << k));
         let parted = std::iter::once(0.0).chain(parted).find(at_first)?;
         // What parts the meshes at the first pose is allowed, with some slack for other directions.
         let allowed = SLANT * parted + growth;
-        let is_deeper = |pose: Pose| self.is_cut_beyond(&pose, allowed);
+        let is_deeper = |pose: Pose| cuts.are_cut_beyond(&pose, allowed);
         let samples = motion.samples.iter().copied();
         let found = samples
             .into_iter()

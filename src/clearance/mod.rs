@@ -23,7 +23,7 @@ mod line_turn;
 mod look;
 pub mod measured;
 pub mod meeting;
-mod mesh_cut;
+pub mod mesh_cut;
 mod mesh_faults;
 mod mesh_meeting;
 pub mod motion;

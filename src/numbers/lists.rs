@@ -295,7 +295,7 @@ pub struct FactorLists {
     count: usize,
     /// Of so many numbers.
     span: usize,
-    /// CoefficientGroup by lanes, those of all products side by side.
+    /// Group by group, those of all products side by side.
     lanes: Vec<CoefficientGroup>,
     /// Number by number, those of all products side by side.
     single: Vec<f64>,

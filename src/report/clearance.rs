@@ -7,6 +7,7 @@ use super::rounded::{at_least_three, at_most, at_most_three, not_above, not_belo
 use super::sentences::counted_things;
 use super::verdict::{CLEARANCE, Case, CheckRequirements, Status};
 use crate::clearance::check::{ClearanceReport, FarPairs, Judgement, PairReport, Violation};
+use crate::clearance::mesh_cut::DIRECTIONS;
 use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
@@ -117,20 +118,24 @@ pub fn pair_sentence(mechanism: &Mechanism, p: &PairReport) -> String {
 /// How near or how deep two bodies come, and when.
 fn nearest_words(p: &PairReport, unit: &str) -> String {
     let least = &p.least;
+    // A mesh is cut where the distance is as of bodies that touch.
+    let cut = p
+        .touching
+        .as_ref()
+        .and_then(|touching| touching.cut.filter(|_| least.distance >= -touching.allowed));
     let what = if least.is_enclosed {
         "lie one in the other".to_owned()
     } else if !least.has_end() {
         "overlap without end".to_owned()
+    } else if let Some(shift) = cut {
+        format!(
+            "overlap, and shifts of {} {unit} in {DIRECTIONS} directions do not part them,",
+            at_least_three(shift)
+        )
     } else if least.distance < 0.0 {
         format!("overlap by {} {unit}", gap_digits(-least.distance, p))
     } else {
-        match p.touching.as_ref().and_then(|touching| touching.cut) {
-            Some(shift) => format!(
-                "overlap, and no shift of {} {unit} parts them,",
-                at_most(shift)
-            ),
-            None => format!("come within {} {unit}", gap_digits(least.distance, p)),
-        }
+        format!("come within {} {unit}", gap_digits(least.distance, p))
     };
     format!("{what} at t = {} s", decimals_of(least.time, 6))
 }

@@ -390,8 +390,8 @@ pub fn allowed_lines(
         return text;
     }
     text += &format!(
-        "\n  at each of {} poses every piece keeps `{name}` within {} of the nominal motion with these tolerances (its bound is {})\n",
-        found.poses,
+        "\n  at {} every piece keeps `{name}` within {} of the nominal motion with these tolerances (its bound is {})\n",
+        counted_things(found.poses, "pose"),
         six_digits(limit),
         bound_text(found.bound, limit)
     );

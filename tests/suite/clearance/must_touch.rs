@@ -206,13 +206,27 @@ fn meshes_that_are_in_other_bodies_do_not_pass_as_touching() {
         "Tz(50 + 0.5*sin(4*pi*u)^2)".to_owned(),
         [true, false],
     ));
-    for (other, frame, [parts, overlaps]) in rows {
+    let rows = rows.into_iter();
+    let alone = rows.map(|(own, frame, wanted)| (own.to_owned(), frame, mesh.to_owned(), wanted));
+    // Other shapes of both that touch, or overlap by less than is allowed, hide nothing.
+    let under = "{ box = { center = [0, 0, -50], size = [90, 90, 90] } }";
+    let pad = |at: f64| format!("{{ sphere = {{ center = [200, 0, {at:?}], radius = 5 }} }}");
+    let padded = [
+        (under, 10.0, [false, false]),
+        (plate, 10.0, [false, true]),
+        (plate, 10.0 - 1e-10, [false, true]),
+    ];
+    let padded = padded.map(|(own, above, wanted)| {
+        let [own, others] = [(own, 0.0), (mesh, above)].map(|(s, at)| format!("{s}, {}", pad(at)));
+        (own, "Tx(0*u)".to_owned(), others, wanted)
+    });
+    for (own, frame, others, [parts, overlaps]) in alone.chain(padded) {
         w.write(
             "scene.toml",
             format!(
                 "title = \"cube\"\nunits = {{ length = \"mm\", angle = \"rad\" }}\nduration = 1\n[inputs]\nu = \"t\"\n\
-                 [[bodies]]\nname = \"A\"\nshapes = [{other}]\n\
-                 [[bodies]]\nname = \"B\"\nframe = \"{frame}\"\nshapes = [{mesh}]\n\
+                 [[bodies]]\nname = \"A\"\nshapes = [{own}]\n\
+                 [[bodies]]\nname = \"B\"\nframe = \"{frame}\"\nshapes = [{others}]\n\
                  [clearance]\ntouching = [{{ pair = [\"A\", \"B\"] }}]\n"
             ),
         );
@@ -221,7 +235,7 @@ fn meshes_that_are_in_other_bodies_do_not_pass_as_touching() {
         let text = w.run(&asked).exits(code).text();
         let json: Value = serde_json::from_slice(&w.read("r.json")).unwrap();
         let pair = &json["clearance"]["pairs"][0];
-        let said = format!("{other} {frame}: {pair:#}\n{text}");
+        let said = format!("{own} {frame}: {pair:#}\n{text}");
         assert_eq!(pair["touching"]["overlaps"], overlaps, "{said}");
         assert_eq!(pair["touching"]["parted"], parts, "{said}");
         // What is said to be proved of a mesh that is deep in a body is that.

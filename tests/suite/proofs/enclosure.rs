@@ -999,3 +999,33 @@ fn limits_are_judged_at_all_times_where_that_is_asked() {
         "{measures}"
     );
 }
+
+/// Where the tolerances come near a fold the proof ends, not the limit: that is said, and what is proved is no more than a bound.
+#[test]
+fn tolerances_that_the_proof_ends_are_told_from_those_that_the_limit_ends() {
+    let w = Workspace::new();
+    // At a right angle of the crank the rod of 40.5 closes only if it stays longer than the crank of 40.
+    for (limit, is_ended_by_proof) in [("h=0.5", false), ("h=1000", true)] {
+        let text = w
+            .run(&[
+                "enclose",
+                "slider-crank",
+                "--param",
+                "r=40",
+                "--param",
+                "L=40.5+-0.1",
+                "--allow",
+                limit,
+                "--at",
+                "1",
+            ])
+            .exits(0)
+            .text();
+        let said = text.contains("with larger ones nothing is proved");
+        assert_eq!(said, is_ended_by_proof, "{limit}: {text}");
+        assert!(
+            text.contains("its bound is") && !text.contains("reached"),
+            "{text}"
+        );
+    }
+}
