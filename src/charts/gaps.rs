@@ -87,7 +87,7 @@ pub(super) fn leave_out_outliers(panel: &mut Panel) -> Option<String> {
         format!("{count} points")
     };
     Some(format!(
-        "{}: {points} beyond the picture, up to {}",
+        "{}: {points} beyond the picture, the farthest at {}",
         names.join(", "),
         with_minus(&format!("{largest:.3e}"))
     ))

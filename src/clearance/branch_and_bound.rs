@@ -8,6 +8,7 @@
 //! distance as requested. An interrupted search keeps what was proved so far.
 
 use super::broad_phase::Sweeper;
+use super::excluded::places_of;
 use super::look::{BoundGoal, LookGoal, LookMemory, Missed, Segment};
 use super::motion::ProvedMotion;
 use super::sweep::{Least, NearestPose, PairSweep};
@@ -57,6 +58,25 @@ struct SegmentSearch {
 impl PairSweep<'_> {
     /// The least distance over the whole motion with its bound; fills `distances` with those of the samples.
     pub fn least_over(&self, motion: &mut ProvedMotion, distances: &mut Vec<f64>) -> Option<Least> {
+        let (search, best) = self.search_all(motion, distances)?;
+        Some(self.concluded(motion, &search, &best))
+    }
+
+    /// The same with the least distance near the place where it was found to nearly all digits, and not only to the tolerance.
+    pub fn settled_least(&self, motion: &mut ProvedMotion) -> Option<Least> {
+        let (search, mut best) = self.search_all(motion, &mut Vec::new())?;
+        for place in places_of(motion, best.instant) {
+            self.descend_finely(motion, place, &mut best);
+        }
+        Some(self.concluded(motion, &search, &best))
+    }
+
+    /// Looks at all parts of the motion.
+    fn search_all(
+        &self,
+        motion: &mut ProvedMotion,
+        distances: &mut Vec<f64>,
+    ) -> Option<(SegmentSearch, NearestPose)> {
         let samples = motion.samples.clone();
         let mut best = self.best_of(motion, &samples, Some(distances))?;
         let mut search = SegmentSearch {
@@ -71,10 +91,20 @@ impl PairSweep<'_> {
             self.settle(motion, &mut search, goal, &mut best);
         }
         self.decide(motion, &search, &mut best);
+        Some((search, best))
+    }
+
+    /// The nearest pose with what is proved by a search.
+    fn concluded(
+        &self,
+        motion: &ProvedMotion,
+        search: &SegmentSearch,
+        best: &NearestPose,
+    ) -> Least {
         let all = || search.settled.iter();
         let lowest = all().map(|(_, look)| look.lowest);
         let near = best.found.proximity.distance;
-        let bound = match self.is_cut(&best) && near >= 0.0 {
+        let bound = match self.is_cut(best) && near >= 0.0 {
             // A mesh has no depth.
             true => self.deepest(),
             false => lowest.fold(near.min(self.lowest_alone(motion)), f64::min),
@@ -82,9 +112,9 @@ impl PairSweep<'_> {
         let is_proved = all().all(|(piece, _)| motion.stretches[piece.stretch].is_certified);
         // A depth is not a distance: only the overlap of the bodies is proved.
         let is_certified = is_proved && near >= -self.slack() && motion.gaps.is_empty();
-        let is_refined = bound >= self.target(&best) + best.missed;
+        let is_refined = bound >= self.target(best) + best.missed;
         let bound = self.told(bound - self.pose_slack());
-        Some(self.least(motion, &best, bound, [is_certified, is_refined]))
+        self.least(motion, best, bound, [is_certified, is_refined])
     }
 
     /// Where neither passes nor fails what is known, the least distance may be just below the minimum: it is looked for where

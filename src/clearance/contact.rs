@@ -93,6 +93,7 @@ impl PairSweep<'_> {
         let size = self.contact_scale(motion);
         let (allowed, slack) = (BETWEEN_SAMPLES * size, self.pose_slack());
         let (cuts, shift) = (self.mesh_cuts(), self.parting_shift(motion));
+        let deep = cuts.as_ref().map(|cuts| cuts.beyond(shift));
         let mut contact = Contact {
             low: f64::INFINITY,
             high: f64::NEG_INFINITY,
@@ -115,12 +116,12 @@ impl PairSweep<'_> {
                 let moved = self.chain.around(arguments, piece.middle, piece.half);
                 let back = || back.around(arguments, piece.middle, piece.half);
                 let [below, above] = self.contact_around(&moved, back, slack - allowed);
-                let cuts = cuts.as_ref().filter(|cuts| cuts.are_met(&moved.pose));
-                // A mesh has no depth: what the distance does not tell is less than a shift that parts the bodies.
-                let sunk = match cuts {
-                    None => 0.0,
-                    Some(cuts) if cuts.are_cut_beyond(&moved.pose, shift) => f64::INFINITY,
-                    Some(_) => shift,
+                let is_met = cuts.as_ref().is_some_and(|cuts| cuts.are_met(&moved.pose));
+                // A mesh has no depth: what the distance does not tell is less than a length by which the bodies can be parted.
+                let sunk = match &deep {
+                    Some(deep) if is_met && deep.are_cut(&moved.pose) => f64::INFINITY,
+                    Some(_) if is_met => shift,
+                    _ => 0.0,
                 };
                 let [low, high] = [below - slack - sunk, above + slack];
                 let is_apart = low.is_finite() && low > allowed;

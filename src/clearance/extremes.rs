@@ -4,6 +4,7 @@
 //! and the part is halved; where the remainder dominates, the interval itself is. Kinks and jumps are part of the
 //! remainder, which shrinks with the interval around a kink, and at a jump contains the values on both sides.
 
+use super::excluded::places_of;
 use super::motion::ProvedMotion;
 use crate::kinematics::certificate::tube::TaylorModel;
 use crate::kinematics::loops::observed::{dependencies, formula_value};
@@ -14,8 +15,12 @@ use crate::numbers::scalar::Ring;
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
 
-/// The bound is this near to the value, as a share of all values' spread or of the value: well inside the slack of limits.
+/// The bound is this near to the value, as a share of all values' spread, or of the value if that is less: a value of many
+/// magnitudes is small where it is least, and a large one may vary by little.
 const SHARE: f64 = 2e-10;
+
+/// No nearer than this share of the value: it is rounded.
+const ROUNDED: f64 = 4.0 * f64::EPSILON;
 
 /// Maximum number of parts examined: beyond it the bound of a formula is not refined.
 const MOST_PARTS: usize = 20_000;
@@ -37,7 +42,7 @@ const KEEPING: u32 = 2;
 /// are not parted, tubes that are too long for their proof as long as they are.
 const KEEPING_FAR: u32 = 12;
 
-/// What rounding may do, as a share like [`SHARE`], without large numbers that cancel.
+/// What rounding may do, as a share of all values' spread or of the value, without large numbers that cancel.
 const NEAR: f64 = 1e-6;
 
 /// Steps of the golden section that settle the value: each takes 0.6 of the width, and the value goes with its square.
@@ -147,12 +152,21 @@ struct ExtremeSearch<'a, 'm> {
     examined: usize,
 }
 
-/// The best pose, and the part that it was found in.
+/// The best pose, and where it was found.
 #[derive(Clone, Copy)]
 struct ExtremePose {
     value: f64,
     time: f64,
-    part: Option<(usize, f64, f64)>,
+    place: FoundAt,
+}
+
+/// Where a pose was found.
+#[derive(Clone, Copy)]
+enum FoundAt {
+    /// At a sample, by its index among the instants.
+    Sample(usize),
+    /// In a part of a stretch: its index, and the ends of the part.
+    Part(usize, f64, f64),
 }
 
 /// The greatest value of `sign` times a formula; `None` where it has no value at some sampled pose.
@@ -194,7 +208,8 @@ pub fn greatest(motion: &mut ProvedMotion, formula: &Expression, sign: f64) -> O
 impl ExtremeSearch<'_, '_> {
     fn look_at_samples(&mut self) -> Option<()> {
         for k in 0..self.motion.samples.len() {
-            let value = self.look_at(self.motion.samples[k], None);
+            let sample = self.motion.samples[k];
+            let value = self.look_at(sample, FoundAt::Sample(sample));
             if !value.is_finite() {
                 return None;
             }
@@ -203,15 +218,15 @@ impl ExtremeSearch<'_, '_> {
     }
 
     /// The value at a solved pose.
-    fn look_at(&mut self, instant: usize, part: Option<(usize, f64, f64)>) -> f64 {
-        let instant = &self.motion.instants[instant];
+    fn look_at(&mut self, index: usize, place: FoundAt) -> f64 {
+        let instant = &self.motion.instants[index];
         let mechanism = self.motion.system.mechanism();
         let formula = (self.formula, self.needed.as_slice());
         let value = self.sign * formula_value(mechanism, &instant.coordinates, formula);
         self.least = self.least.min(value);
         if value.is_finite() && self.best.is_none_or(|best| value > best.value) {
             let time = instant.time;
-            self.best = Some(ExtremePose { value, time, part });
+            self.best = Some(ExtremePose { value, time, place });
         }
         value
     }
@@ -231,7 +246,7 @@ impl ExtremeSearch<'_, '_> {
                 return Some(self.stuck);
             };
             let best = self.best?.value;
-            let enough = SHARE * (best - self.least).max(best.abs());
+            let enough = (SHARE * (best - self.least).min(best.abs())).max(ROUNDED * best.abs());
             // Best first: no other part has a greater bound.
             if top.bound <= best + enough {
                 return Some(top.bound.max(self.stuck));
@@ -263,7 +278,7 @@ impl ExtremeSearch<'_, '_> {
         } = *part;
         let middle = 0.5 * (from + to);
         if let Some(instant) = self.motion.pose_at(stretch, middle) {
-            self.look_at(instant, Some((stretch, from, to)));
+            self.look_at(instant, FoundAt::Part(stretch, from, to));
         }
         let [start, end] = self.motion.times(stretch, [from, to]);
         let is_narrow = end - start <= NARROWEST * end.abs().max(1.0);
@@ -357,13 +372,23 @@ impl ExtremeSearch<'_, '_> {
         });
     }
 
-    /// Finds the greatest value in the part of the best pose to all digits: a golden section.
+    /// Finds the greatest value near the best pose to all digits: in its part, or in the stretches around a sample.
     fn settle(&mut self) {
-        let Some((stretch, mut from, mut to)) = self.best.and_then(|best| best.part) else {
-            return;
-        };
+        match self.best.map(|best| best.place) {
+            Some(FoundAt::Part(stretch, from, to)) => self.settle_in(stretch, [from, to]),
+            Some(FoundAt::Sample(sample)) => {
+                for (stretch, _) in places_of(self.motion, sample) {
+                    self.settle_in(stretch, [-1.0, 1.0]);
+                }
+            }
+            None => {}
+        }
+    }
+
+    /// A golden section.
+    fn settle_in(&mut self, stretch: usize, [mut from, mut to]: [f64; 2]) {
         let mut value = |s: f64| match self.motion.pose_at(stretch, s) {
-            Some(instant) => self.look_at(instant, Some((stretch, s, s))),
+            Some(instant) => self.look_at(instant, FoundAt::Part(stretch, s, s)),
             None => f64::NEG_INFINITY,
         };
         let (mut a, mut b) = (to - GOLDEN * (to - from), from + GOLDEN * (to - from));

@@ -176,7 +176,7 @@ fn of_pair(
         is_certified,
         is_enclosed,
         ..
-    } = sweep.least_over(motion, &mut Vec::new())?;
+    } = sweep.settled_least(motion)?;
     // A lower bound, which must not exceed the distance found.
     Some(BoundedMeasure {
         value: distance,

@@ -1,5 +1,7 @@
-//! Whether meshes cut each other, and how far. Meshes have no depth. Instead one body is shifted by a length in many directions:
-//! if none of the shifts separates the bodies, they overlap by more than that length.
+//! Whether meshes cut each other, and how far. Meshes have no depth. Instead one body is shifted by a length in many directions,
+//! or made smaller so that its points move as far: what separates the bodies moves every point out of the other one, so that none
+//! of them is deeper in it. If nothing does, the bodies count as cut. A pin that fits its bore is parted by none of the shifts,
+//! but a smaller one is free.
 
 use super::contact::BETWEEN_SAMPLES;
 use super::motion::ProvedMotion;
@@ -8,6 +10,7 @@ use crate::distance::bodies::{BodyElements, LeftOut, enclosed_shell, nearest_bod
 use crate::distance::mesh::is_any;
 use crate::math::Pose;
 use glam::DVec3;
+use std::cell::OnceCell;
 
 /// Bodies that touch are parted by a shift of this many lengths of the pair, in one of many directions: far more than rounding.
 const CUT: f64 = 1e-6;
@@ -24,7 +27,7 @@ const SLANT: f64 = 1.25;
 const DOUBLINGS: u32 = 16;
 
 /// Directions along the edges and the diagonals of a cube.
-pub const DIRECTIONS: usize = 14;
+const DIRECTIONS: usize = 14;
 
 fn directions() -> [DVec3; DIRECTIONS] {
     let sign = |k: usize, bit: usize| if k & bit == 0 { -1.0 } else { 1.0 };
@@ -44,26 +47,64 @@ pub(super) struct MeshCuts<'s> {
 impl MeshCuts<'_> {
     /// Whether the bodies are in each other.
     pub fn are_met(&self, pose: &Pose) -> bool {
-        let [first, second] = self.sweep.hulls;
+        self.do_meet(self.sweep.hulls, pose)
+    }
+
+    fn do_meet(&self, [first, second]: [&BodyElements; 2], pose: &Pose) -> bool {
         let found = nearest_bodies(first, second, pose, &self.others);
         found.is_some_and(|f| f.proximity.distance <= 0.0)
             || enclosed_shell(first, second, pose, &self.others).is_some()
     }
 
-    /// Whether the bodies are in each other, and no shift as long as this parts them.
-    pub fn are_cut_beyond(&self, pose: &Pose, shift: f64) -> bool {
-        let mut shifts = std::iter::once(DVec3::ZERO).chain(directions().map(|n| n * shift));
-        shifts.all(|shift| {
-            let mut moved = *pose;
-            moved.translation += shift;
-            self.are_met(&moved)
-        })
+    /// The looks for cuts that are deeper than a length.
+    pub fn beyond(&self, length: f64) -> DeepCuts<'_> {
+        DeepCuts {
+            cuts: self,
+            length,
+            smaller: [const { OnceCell::new() }; 2],
+        }
     }
 
-    /// The first of some solved poses at which a mesh is cut: no shift of this length parts the bodies.
-    pub fn first(&self, motion: &ProvedMotion, instants: &[usize], shift: f64) -> Option<usize> {
+    /// The first of some solved poses at which a mesh is cut deeper than a length.
+    pub fn first(&self, motion: &ProvedMotion, instants: &[usize], length: f64) -> Option<usize> {
+        let deep = self.beyond(length);
         let mut instants = instants.iter().copied();
-        instants.find(|k| self.are_cut_beyond(&self.sweep.relative(motion, *k), shift))
+        instants.find(|k| deep.are_cut(&self.sweep.relative(motion, *k)))
+    }
+}
+
+/// Looks for cuts that are deeper than a length.
+pub(super) struct DeepCuts<'c> {
+    cuts: &'c MeshCuts<'c>,
+    length: f64,
+    /// Both bodies made smaller by half of it, once they are needed.
+    smaller: [OnceCell<Option<BodyElements>>; 2],
+}
+
+impl DeepCuts<'_> {
+    /// Whether the bodies are in each other, and nothing that moves their points by no more than the length parts them.
+    pub fn are_cut(&self, pose: &Pose) -> bool {
+        let hulls = self.cuts.sweep.hulls;
+        let half = 0.5 * self.length;
+        self.cuts.are_met(pose)
+            && self.meet_shifted(hulls, pose, self.length)
+            && [0, 1].into_iter().all(|side| {
+                let smaller = self.smaller[side].get_or_init(|| hulls[side].smaller(half));
+                smaller.as_ref().is_none_or(|smaller| {
+                    let mut hulls = hulls;
+                    hulls[side] = smaller;
+                    self.cuts.do_meet(hulls, pose) && self.meet_shifted(hulls, pose, half)
+                })
+            })
+    }
+
+    /// Whether bodies are in each other after every shift of a length.
+    fn meet_shifted(&self, hulls: [&BodyElements; 2], pose: &Pose, length: f64) -> bool {
+        directions().into_iter().all(|direction| {
+            let mut moved = *pose;
+            moved.translation += direction * length;
+            self.cuts.do_meet(hulls, &moved)
+        })
     }
 }
 
@@ -85,7 +126,7 @@ impl PairSweep<'_> {
         })
     }
 
-    /// Whether a mesh is cut at a solved time: the bodies meet, and no small shift parts them, which it would if they just
+    /// Whether a mesh is cut at a solved time: the bodies meet, and nothing small parts them, which it would if they just
     /// touched.
     pub(super) fn is_mesh_cut(&self, motion: &ProvedMotion, time: f64) -> bool {
         let all = 0..motion.instants.len();
@@ -104,12 +145,13 @@ impl PairSweep<'_> {
     pub(super) fn cut_deeper(&self, motion: &mut ProvedMotion, growth: f64) -> Option<Least> {
         let cuts = self.mesh_cuts()?;
         let first = self.relative(motion, motion.assembled()?);
-        let at_first = |shift: &f64| !cuts.are_cut_beyond(&first, *shift);
+        let at_first = |length: &f64| !cuts.beyond(*length).are_cut(&first);
         let parted = (0..DOUBLINGS).map(|k| growth * f64::from(1_u32 << k));
         let parted = std::iter::once(0.0).chain(parted).find(at_first)?;
         // What parts the meshes at the first pose is allowed, with some slack for other directions.
         let allowed = SLANT * parted + growth;
-        let is_deeper = |pose: Pose| cuts.are_cut_beyond(&pose, allowed);
+        let deep = cuts.beyond(allowed);
+        let is_deeper = |pose: Pose| deep.are_cut(&pose);
         let samples = motion.samples.iter().copied();
         let found = samples
             .into_iter()

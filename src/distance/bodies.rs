@@ -58,6 +58,20 @@ impl BodyElements {
             .collect()
     }
 
+    /// The same body made smaller about the centre of its ball, so that no point moves farther than a length; `None` for one that
+    /// has no end, or is no larger than that.
+    pub fn smaller(&self, by: f64) -> Option<Self> {
+        let (centre, radius) = self.ball;
+        (radius.is_finite() && by < radius).then(|| {
+            let factor = 1.0 - by / radius;
+            let elements = self.elements.iter();
+            Self {
+                elements: elements.map(|e| e.scaled(centre, factor)).collect(),
+                ball: (centre, factor * radius),
+            }
+        })
+    }
+
     fn with_trees(body: &Body, trees: &mut MeshTrees) -> Option<Self> {
         let elements = shape_elements(&body.shapes, trees);
         let balls: Vec<(DVec3, f64)> = elements.iter().map(Element::bounds).collect();

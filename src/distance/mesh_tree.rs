@@ -45,6 +45,17 @@ impl MeshTree {
         }
     }
 
+    /// The same mesh with all its coordinates multiplied by a positive factor.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            source: self.source.clone(),
+            points: self.points.iter().map(|point| *point * factor).collect(),
+            flap_tree: self.flap_tree.as_ref().map(|tree| tree.scaled(factor)),
+            tree: self.tree.scaled(factor),
+            ..*self
+        }
+    }
+
     /// Whether a point is inside, by the triangles that a ray from it crosses; an open mesh has no inside.
     pub fn encloses(&self, point: DVec3) -> bool {
         let is_hollow = matches!(

@@ -41,6 +41,16 @@ impl TriangleTree {
         tree
     }
 
+    /// The tree of the same triangles with all coordinates multiplied by a factor.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let triangles = self.triangles.iter();
+        Self::new(
+            triangles
+                .map(|corners| corners.map(|p| p * factor))
+                .collect(),
+        )
+    }
+
     /// Adds the node over a range of triangles and all below it.
     fn grow(&mut self, start: usize, end: usize) {
         let part = &mut self.triangles[start..end];

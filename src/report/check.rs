@@ -43,8 +43,8 @@ impl<'a> MotionReport<'a> {
         measured: &'a [TakenMeasure<'a>],
         clearances: Option<&'a ClearanceReport>,
     ) -> Self {
-        let structure = system.structure();
-        let is_proving = !structure.blocks.is_empty() || asked.motion || clearances.is_some();
+        let is_proving =
+            !system.structure().blocks.is_empty() || asked.motion || clearances.is_some();
         let assumptions = match asked.poses && is_proving {
             true => proof_assumptions(system),
             false => Vec::new(),
@@ -55,7 +55,7 @@ impl<'a> MotionReport<'a> {
             trajectory,
             asked,
             mobility: Mobility::new(system, actuation),
-            poses: PoseProofs::of(structure, trajectory, asked.poses),
+            poses: PoseProofs::of(system, trajectory, asked.poses),
             motion: asked.motion.then(|| MotionProof::of(trajectory)),
             between: None,
             assumptions,

@@ -7,7 +7,6 @@ use super::rounded::{at_least_three, at_most, at_most_three, not_above, not_belo
 use super::sentences::counted_things;
 use super::verdict::{CLEARANCE, Case, CheckRequirements, Status};
 use crate::clearance::check::{ClearanceReport, FarPairs, Judgement, PairReport, Violation};
-use crate::clearance::mesh_cut::DIRECTIONS;
 use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
@@ -129,7 +128,7 @@ fn nearest_words(p: &PairReport, unit: &str) -> String {
         "overlap without end".to_owned()
     } else if let Some(shift) = cut {
         format!(
-            "overlap, and shifts of {} {unit} in {DIRECTIONS} directions do not part them,",
+            "overlap, and neither shifts nor shrinking by up to {} {unit} parts them,",
             at_least_three(shift)
         )
     } else if least.distance < 0.0 {

@@ -7,8 +7,8 @@ use crate::diag::decimals_of;
 use crate::kinematics::results::certificate::{
     CONSISTENT, Certificate, IntervalCertificate, Reason,
 };
+use crate::kinematics::results::printed::printed_certificate;
 use crate::kinematics::results::trajectory::Trajectory;
-use crate::kinematics::structure::block::Structure;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
@@ -206,11 +206,12 @@ pub struct PoseProofs {
 }
 
 impl PoseProofs {
-    /// Whether certificates were requested: clearances may have needed more.
-    pub fn of(structure: &Structure, trajectory: &Trajectory, is_asked: bool) -> Self {
+    /// The bounds hold for the poses as tables print them. `is_asked` tells whether certificates were requested: clearances
+    /// may have needed more.
+    pub fn of(system: &System, trajectory: &Trajectory, is_asked: bool) -> Self {
         let mut proof = Self {
             poses: 0,
-            is_closing: !structure.blocks.is_empty(),
+            is_closing: !system.structure().blocks.is_empty(),
             error_bound: 0.0,
             unique_radius: f64::INFINITY,
             refused: 0,
@@ -227,7 +228,7 @@ impl PoseProofs {
                 false => Certificate::Refused {
                     reason: Reason::NotAsked,
                 },
-                true => pose.certificate,
+                true => printed_certificate(system.mechanism(), pose),
             };
             // The whole motion is as good as its worst pose: largest error, smallest uniqueness.
             if let Some([error_bound, unique_radius]) = certificate.bounds() {

@@ -26,37 +26,16 @@ pub mod source;
 pub mod studies;
 pub mod syntax;
 pub mod template;
+pub mod text;
 pub mod values;
 pub mod views;
 
-use crate::diag::{Diagnostics, SceneError, Source};
+use crate::diag::{SceneError, Source};
 pub use loaded::{KeptIn, KeptParameter, Scene};
 pub use overrides::{OtherDrives, Overrides, PlotText};
+use text::SceneText;
 
 /// Reads and resolves `source`; the error contains all messages.
 pub fn load_scene(source: &Source, overrides: &Overrides) -> Result<Scene, SceneError> {
-    let mut diagnostics = Diagnostics::default();
-    let mut file = file::read_scene(source, &mut diagnostics);
-    // After any other error enough is left to continue, so that one run reports all errors.
-    if file.lacks_sections {
-        return Err(SceneError {
-            source_text: source.clone(),
-            diagnostics,
-        });
-    }
-    overrides::apply_overrides(overrides, &mut file, &mut diagnostics);
-    let scene = resolve::resolve_scene(&file, overrides, &mut diagnostics);
-    match scene {
-        Some(mut scene) if !diagnostics.has_errors() => {
-            scene.warnings = diagnostics;
-            if let Some(other) = &overrides.drives {
-                other.replace_in(&mut scene.actuation);
-            }
-            Ok(scene)
-        }
-        _ => Err(SceneError {
-            source_text: source.clone(),
-            diagnostics,
-        }),
-    }
+    SceneText::read(source.clone()).resolved(overrides)
 }

@@ -8,7 +8,7 @@ use crate::kinematics::motion::sampling::frame_times;
 use crate::kinematics::structure::system::System;
 use crate::report::motion_check::MotionCheck;
 use crate::report::verdict::{CheckRequirements, Status};
-use crate::scene::{Overrides, Scene, load_scene};
+use crate::scene::{Overrides, Scene};
 use std::sync::Arc;
 
 /// The row of a design, given its values in the file's units and in internal units.
@@ -57,7 +57,7 @@ fn scene_with(sweep: &Sweep, design: &[f64]) -> Option<Scene> {
         outside_ranges: true,
         ..sweep.overrides.clone()
     };
-    load_scene(&sweep.source, &overrides).ok()
+    sweep.text.resolved(&overrides).ok()
 }
 
 /// The first pose by the names of the unknowns; `None` if the scene has others.

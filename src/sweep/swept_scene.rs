@@ -17,6 +17,7 @@ use crate::model::measure::{Measure, MeasureSource, Measures};
 use crate::model::mechanism::Mechanism;
 use crate::scene::Overrides;
 use crate::scene::columns::DESIGN_CHECK;
+use crate::scene::text::SceneText;
 
 /// The values requested for every design.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,7 +80,7 @@ pub struct Sweep {
     /// Names of the values of a row, with their units.
     pub columns: Vec<(String, String)>,
     pub(super) family: ParametricMechanism,
-    pub(super) source: Source,
+    pub(super) text: SceneText,
     pub(super) overrides: Overrides,
     pub(super) origin: FirstPose,
     /// Indices of the family's parameters among those of the design.
@@ -116,7 +117,7 @@ impl Sweep {
             family,
             design,
             asked,
-            source,
+            text: SceneText::read(source),
             overrides,
             order,
             shown,

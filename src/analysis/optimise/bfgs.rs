@@ -2,6 +2,7 @@
 //! Numerical Optimization, 2nd ed., chapter 6), within bounds: variables are held at a bound if the gradient points
 //! outwards.
 
+use super::beside::{self, lowest_beside};
 use super::{Minimum, Objective, StopReason, VariableBounds};
 
 /// A step must achieve this fraction of the decrease predicted by the gradient (Armijo).
@@ -52,13 +53,23 @@ pub fn minimise_bfgs(
     let mut inverse = Inverse::identity(x.len());
     let mut iterations = 0;
     let mut is_fresh = true;
+    let mut restarts = 0;
     let ended = loop {
         // Projected gradient: variables at a bound that they push against are held.
         let free = search.free(&here);
         let steepest = (0..x.len()).filter(|k| free[*k]);
         let largest = steepest.fold(0.0_f64, |m, k| m.max(here.gradient[k].abs()));
         if largest <= limits.gradient_tolerance * first_value {
-            break StopReason::Converged;
+            // Flat: a minimum, unless it is lower beside it.
+            match search.lower_beside(&here, limits.gradient_tolerance * first_value) {
+                None => break StopReason::Converged,
+                Some(_) if restarts == beside::MOST => break StopReason::Stalled,
+                Some(next) => here = next,
+            }
+            restarts += 1;
+            inverse = Inverse::identity(x.len());
+            is_fresh = true;
+            continue;
         }
         if iterations >= limits.iterations {
             break StopReason::OutOfBudget;
@@ -148,6 +159,22 @@ impl BfgsSearch<'_> {
                 .map(|(g, s)| g * s)
                 .collect(),
         })
+    }
+
+    /// A point beside this one that is lower by more than slopes within the tolerance and rounding explain.
+    fn lower_beside(&mut self, here: &BfgsPoint, slope: f64) -> Option<BfgsPoint> {
+        let place = self.unscaled(&here.x);
+        let explained = 2.0 * slope * beside::LENGTH + beside::ROUNDING * here.value.abs();
+        let level = here.value - explained;
+        let Self {
+            objective,
+            scales,
+            bounds,
+            ..
+        } = self;
+        let (lower, asked) = lowest_beside(&place, scales, bounds, level, |x| objective.value(x));
+        self.evaluations += asked;
+        self.at(&lower?).filter(|there| there.value < level)
     }
 
     /// Variables that are not held at a bound.

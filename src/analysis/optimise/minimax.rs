@@ -4,6 +4,7 @@
 //! by an elastic variable and second-order correction as in Fletcher, Practical Methods of Optimization, 2nd ed.,
 //! chapters 12 and 14).
 
+use super::beside::lowest_beside;
 use super::curvature::Curvature;
 use super::kept::BestKept;
 use super::minimax_poll::Poll;
@@ -309,17 +310,52 @@ impl MinimaxState<'_> {
         }
     }
 
-    /// Where the model promises nothing: a kink may hide the way down. The search goes on from a better point nearby, and has converged
-    /// if there is none.
+    /// Where the model promises nothing: a maximum is flat, too, and a kink may hide the way down. The search goes on from a better
+    /// point nearby, and has converged if there is none.
     fn look_around(&mut self) -> Option<StopReason> {
-        if !self.problem.hides_kinks() {
-            return Some(StopReason::Converged);
-        }
         if self.polls == MOST_POLLS {
             return Some(StopReason::Stalled);
         }
         let here = merit_value(&self.values, self.weight);
         let size = here.abs().max(LEAST_SIZE * self.first_unit);
+        let better = match self.problem.hides_kinks() {
+            true => self.poll(size),
+            false => self.step_aside(here - self.search.tolerance * size),
+        };
+        self.polls += 1;
+        self.result.iterations += 1;
+        self.result.gradients += 1;
+        let next = better.unwrap_or_else(|| self.result.x.clone());
+        let is_better = next != self.result.x;
+        // Also without a better point: what the problem remembers of its last point belongs to this one then.
+        let there = self.problem.gradients_at(&next);
+        if self.problem.is_stopped() {
+            return Some(StopReason::Stopped);
+        }
+        let Some(there) = there.filter(|_| is_better) else {
+            return Some(StopReason::Converged);
+        };
+        let moves = next.iter().zip(&self.result.x).zip(self.scales);
+        let moved = moves.fold(0.0, |most: f64, ((a, b), s)| most.max(((a - b) / s).abs()));
+        self.radius = moved.max(self.search.smallest_radius);
+        self.curvature = Curvature::none(next.len());
+        (!self.arrive(next, there)).then_some(StopReason::Stopped)
+    }
+
+    /// A point beside this one whose merit is below a level.
+    fn step_aside(&mut self, level: f64) -> Option<Vec<f64>> {
+        let (problem, weight) = (&mut *self.problem, self.weight);
+        let merit = |x: &[f64]| {
+            let there = problem.values_at(x);
+            there.map_or(f64::INFINITY, |there| merit_value(&there, weight))
+        };
+        let (lower, asked) = lowest_beside(&self.result.x, self.scales, self.bounds, level, merit);
+        self.result.evaluations += asked;
+        lower
+    }
+
+    /// A better point by a look at the kinks around.
+    fn poll(&mut self, size: f64) -> Option<Vec<f64>> {
         let poll = Poll {
             here: MinimaxPoint {
                 x: &self.result.x,
@@ -336,25 +372,9 @@ impl MinimaxState<'_> {
             number: self.polls,
         };
         let polled = poll.look(&mut *self.problem);
-        self.polls += 1;
-        self.result.iterations += 1;
         self.result.evaluations += polled.evaluations;
-        self.result.gradients += polled.gradients + 1;
-        let next = polled.better.unwrap_or_else(|| self.result.x.clone());
-        let is_better = next != self.result.x;
-        // Also without a better point: what the problem remembers of its last point belongs to this one then.
-        let there = self.problem.gradients_at(&next);
-        if self.problem.is_stopped() {
-            return Some(StopReason::Stopped);
-        }
-        let Some(there) = there.filter(|_| is_better) else {
-            return Some(StopReason::Converged);
-        };
-        let moves = next.iter().zip(&self.result.x).zip(self.scales);
-        let moved = moves.fold(0.0, |most: f64, ((a, b), s)| most.max(((a - b) / s).abs()));
-        self.radius = moved.max(self.search.smallest_radius);
-        self.curvature = Curvature::none(next.len());
-        (!self.arrive(next, there)).then_some(StopReason::Stopped)
+        self.result.gradients += polled.gradients;
+        polled.better
     }
 
     /// The trust region grows if the model is accurate, and shrinks if not.

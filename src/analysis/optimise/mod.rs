@@ -1,6 +1,7 @@
 //! Minimisers of functions of a few variables: values may be rejected, and gradients may be requested. They do not
 //! depend on mechanisms.
 
+mod beside;
 pub mod bfgs;
 pub mod constraints;
 mod curvature;

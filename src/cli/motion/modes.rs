@@ -209,6 +209,16 @@ fn modes_document(system: &System, inputs: &[f64], time: f64, modes: &Modes) -> 
             (assemblies::kind_words(*kind).replace("of the ", ""), tally)
         })
         .collect();
+    // What no link bounds is looked for up to these distances from zero.
+    let reaches: Map<String, Value> = modes
+        .reaches
+        .iter()
+        .map(|(slot, reach)| {
+            let unknown = &mechanism.unknowns[*slot];
+            let reach = reach * mechanism.file_units(unknown.kind);
+            (unknown.name.clone(), json!(reach))
+        })
+        .collect();
     json!({
         "schema": "mechanim-modes/1",
         "title": mechanism.title,
@@ -227,6 +237,7 @@ fn modes_document(system: &System, inputs: &[f64], time: f64, modes: &Modes) -> 
         "unseen": modes.unseen,
         "unlikely": modes.unlikely,
         "exhausted": modes.is_exhausted,
+        "searched_up_to": reaches,
         "proof": false,
         "modes": list,
     })

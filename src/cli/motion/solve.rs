@@ -61,7 +61,7 @@ pub fn run_solve(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
         ));
     }
     let asked = args.certify != CertifyArg::None;
-    let poses = PoseProofs::of(system.structure(), &trajectory, asked);
+    let poses = PoseProofs::of(&system, &trajectory, asked);
     if poses.open > 0 {
         term.warning(&format!(
             "{} of {} samples are open: redundant equations do not hold, by more than rounding and the digits of the dimensions explain",

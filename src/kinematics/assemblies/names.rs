@@ -4,6 +4,7 @@ use super::alike::SAME;
 use super::sets::SINGULAR;
 use crate::kinematics::ball::chart::BallChart;
 use crate::kinematics::ball::joint::Ball;
+use crate::kinematics::certificate::regular::RegularPoses;
 use crate::kinematics::loops::forward::closure_error;
 use crate::kinematics::solve::branch::BranchWatch;
 use crate::kinematics::solve::closure::closes;
@@ -224,6 +225,7 @@ pub fn describe_mode(
     let mut watch = BranchWatch::default();
     let mut corrector = Corrector::new(system);
     let chart = BallChart::new(system);
+    let mut regular = RegularPoses::new(system);
     let mut list: Vec<Mode> = Vec::new();
     for mut group in groups {
         let renamed_balls = group.rename(mechanism, system.balls(), &alike);
@@ -246,7 +248,9 @@ pub fn describe_mode(
         list.push(Mode {
             branch: state.signature(),
             sigma_min: state.sigma_min,
-            is_singular: state.sigma_min < SINGULAR,
+            // However small: its scale may be far from the unknown's.
+            is_singular: state.sigma_min < SINGULAR
+                && regular.error_bound(&group.coordinates).is_none(),
             closure_error: closure_error(mechanism, &group.coordinates),
             met: group.met,
             is_scene: group.is_scene,

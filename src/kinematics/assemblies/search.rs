@@ -6,6 +6,7 @@ use super::names::{ModeGroup, Modes, StartKind, StartResults, describe_mode};
 use super::sets::{Continuum, lost_rank};
 use super::walk::{WIDEST, branch_neighbours};
 use crate::jobs::{core_count, share_work};
+use crate::kinematics::certificate::regular::RegularPoses;
 use crate::kinematics::solve::assembly::assemble_pose;
 use crate::kinematics::solve::closure::closes;
 use crate::kinematics::solve::newton::Corrector;
@@ -112,6 +113,7 @@ struct ModeSearch<'s> {
     system: &'s System,
     random: RandomStarts<'s>,
     alike: Alike<'s>,
+    regular: RegularPoses<'s>,
     groups: Vec<ModeGroup>,
     places: Vec<PlacedPoint>,
     /// For every placement its bodies' positions (nothing for a continuous set), and the random starts that led to it.
@@ -134,6 +136,7 @@ impl<'s> ModeSearch<'s> {
             system,
             random: RandomStarts::new(system.mechanism()),
             alike: Alike::new(system),
+            regular: RegularPoses::new(system),
             groups: Vec::new(),
             places: Vec::new(),
             placements: Vec::new(),
@@ -178,9 +181,8 @@ impl<'s> ModeSearch<'s> {
     /// Adds a closed pose to its group, and returns its number.
     fn sort_pose(&mut self, pose: Vec<f64>, kind: StartKind) -> usize {
         let place = self.alike.place(&pose);
-        let mut known = self.places.iter();
-        let known = known.position(|other| same_numbers(&other.links, &place.links));
-        // A known placement, else a point of a known continuous set or a copy of a singular pose, else a new one.
+        let known = self.known_group(&pose, &place);
+        // A known mode, else a point of a known continuous set or a copy of a singular pose, else a new one.
         let group = known
             .or_else(|| self.set_of(&pose, &place))
             .or_else(|| self.copied_group(&pose));
@@ -199,6 +201,25 @@ impl<'s> ModeSearch<'s> {
             self.placements[self.groups[index].placement].1 += 1;
         }
         index
+    }
+
+    /// The group with the placement of a pose that is not proved to be another.
+    fn known_group(&mut self, pose: &[f64], place: &PlacedPoint) -> Option<usize> {
+        let (groups, regular) = (&self.groups, &mut self.regular);
+        let mut known = self.places.iter().zip(groups);
+        known.position(|(other, group)| {
+            same_numbers(&other.links, &place.links) && !regular.are_apart(&group.coordinates, pose)
+        })
+    }
+
+    /// The known placement of the bodies at a pose, none of whose modes is proved to be another.
+    fn known_placement(&mut self, pose: &[f64], place: &PlacedPoint) -> Option<usize> {
+        let (groups, regular) = (&self.groups, &mut self.regular);
+        (0..self.placements.len()).find(|number| {
+            let mut own = groups.iter().filter(|group| group.placement == *number);
+            same_numbers(&self.placements[*number].0, &place.bodies)
+                && !own.any(|group| regular.are_apart(&group.coordinates, pose))
+        })
     }
 
     /// The group of the known continuous set on which a pose lies.
@@ -227,10 +248,9 @@ impl<'s> ModeSearch<'s> {
     /// A new group.
     fn add(&mut self, pose: Vec<f64>, place: PlacedPoint, kind: StartKind) {
         let set = Continuum::new(self.system, &self.alike, &pose);
-        let mut placements = self.placements.iter();
         let known = match set {
             Some(_) => None,
-            None => placements.position(|(bodies, _)| same_numbers(bodies, &place.bodies)),
+            None => self.known_placement(&pose, &place),
         };
         let placement = known.unwrap_or(self.placements.len());
         if known.is_none() {

@@ -35,6 +35,7 @@ pub mod majorant;
 pub mod neighbourhood;
 pub mod observed;
 pub mod pose;
+pub mod regular;
 pub mod tube;
 
 use super::results::certificate::{Certificate, Reason};

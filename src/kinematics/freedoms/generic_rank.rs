@@ -178,21 +178,27 @@ impl<'a> Ranks<'a> {
         Self { mechanism, poses }
     }
 
-    /// Largest rank of the block's Jacobian over the poses.
+    /// Largest rank of the block's Jacobian over the poses. A pose at which a slope is not a number tells nothing; if all do, the
+    /// rank is taken to be full: whether the equations can be solved is left to the solver.
     pub fn of(&self, block: &Block) -> usize {
         let mut workspace = BlockWorkspace::default();
         let mut gauge = Gauge::default();
         let (rows, columns) = (block.rows(), block.unknowns.len());
         let mut largest = 0;
+        let mut is_known = self.poses.is_empty();
         for pose in self.poses {
             workspace.evaluate(self.mechanism, block, pose, Want::Jacobian);
+            if !workspace.jacobian.iter().all(|slope| slope.is_finite()) {
+                continue;
+            }
+            is_known = true;
             largest = largest.max(gauge.measure(&workspace.jacobian, rows, columns).0);
             // The rank cannot grow any more.
             if largest == rows.min(columns) {
                 break;
             }
         }
-        largest
+        if is_known { largest } else { rows.min(columns) }
     }
 
     /// The poses at which the block has its largest rank, the most regular one first.

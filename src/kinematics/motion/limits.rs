@@ -19,6 +19,7 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
 use crate::numbers::bracket::Bracket;
+use crate::numbers::series::HIGHEST_ORDER;
 use crate::sorting::sort_by_number;
 
 /// Fewest intervals over the motion that are searched: half a degree of a turn each.
@@ -42,6 +43,9 @@ const APPROACH: f64 = 1.0 / 64.0;
 /// Towards a cusp like the tenth root a step changes the value by two thirds of what the one before did; towards a logarithm's
 /// pole by as much, and by nearly as much where a root or a logarithm is taken of it.
 const BOUNDED: f64 = 0.8;
+
+/// A term of a series counts if it exceeds this fraction of the largest one over a step: below are roundings of zeros.
+const LEADING: f64 = 1e-6;
 
 /// First derivatives by time.
 const FIRST: RateColumns = RateColumns {
@@ -186,7 +190,7 @@ impl<'m> LimitSearch<'m> {
                     self.push_sample(quantity, still, before > 0.0);
                 }
                 (None, _) if k == 1 && rates[0].is_some() && !self.is_drive_end(0, 1) => {
-                    self.note(quantity, 0, rate < 0.0);
+                    self.note(quantity, [0, k], rate < 0.0);
                 }
                 _ => {}
             }
@@ -200,7 +204,7 @@ impl<'m> LimitSearch<'m> {
             && !self.is_drive_end(end, k)
             && !is_cyclic(self.system.mechanism(), self.actuation)
         {
-            self.note(quantity, end, rate > 0.0);
+            self.note(quantity, [end, k], rate > 0.0);
         }
     }
 
@@ -213,11 +217,33 @@ impl<'m> LimitSearch<'m> {
         }
     }
 
-    /// A reversal at an end of the motion, unless the drive rests there: then everything does.
-    fn note(&mut self, quantity: usize, sample: usize, is_largest: bool) {
-        if !self.rests_at(self.samples[sample].time) {
-            self.push_sample(quantity, sample, is_largest);
+    /// A reversal at an end of the motion, where the next sample is `next`; unless the drive rests there: then everything does.
+    fn note(&mut self, quantity: usize, [end, next]: [usize; 2], is_largest: bool) {
+        let [time, after] = [end, next].map(|k| self.samples[k].time);
+        if !self.rests_at(time) && self.would_turn_back(end, after - time) {
+            self.push_sample(quantity, end, is_largest);
         }
+    }
+
+    /// Whether the quantity that is searched would turn back if the motion went on past this end of it: the first term of its
+    /// series that counts over a step has an even order. With an odd one it only pauses, and without a series nothing is known.
+    fn would_turn_back(&self, end: usize, step: f64) -> bool {
+        let sample = &self.samples[end];
+        let Some(pose) = &sample.pose else {
+            return false;
+        };
+        let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
+        let driven = (self.actuation, sample.time);
+        let needed = |slot: usize| self.needed[slot];
+        let (by, order) = (FIRST.by, HIGHEST_ORDER);
+        let series = needed_series(self.system, &coordinates, by, driven, order, needed);
+        series.is_some_and(|series| {
+            let coefficients = series[self.slot].coefficients();
+            let term = |k: usize| (coefficients[k] * step.powi(k as i32)).abs();
+            let largest = (1..=order).map(term).fold(0.0, f64::max);
+            let first = (1..=order).find(|k| term(*k) > LEADING * largest);
+            first.is_some_and(|order| order % 2 == 0)
+        })
     }
 
     /// Whether no input moves at a time.

@@ -85,8 +85,8 @@ pub enum StructureError {
         /// Unknowns that can move while the inputs are fixed.
         names: Vec<String>,
     },
-    /// Unknowns that change no equation.
-    #[error("no loop and no equation determines `{}`: nothing there changes with it", names.join("`, `"))]
+    /// Unknowns that change no equation at any pose examined.
+    #[error("no loop and no equation determines `{}`: at the start values and at random poses nothing changes with it", names.join("`, `"))]
     Unheld {
         /// Their names.
         names: Vec<String>,
@@ -108,7 +108,8 @@ impl StructureError {
                  an undefined name is an unknown",
             ),
             Self::Unheld { .. } => Some(
-                "give it a loop or an equation that changes with it, drive it as an input, or take it out",
+                "give it a loop or an equation that changes with it, drive it as an input, or take it out; \
+                 where a formula is flat, start nearer to its solution",
             ),
             Self::Limit(_) => None,
         }

@@ -78,7 +78,7 @@ impl LiveScene {
         let Opened { scene, motion, .. } = &self.now;
         json!({
             "title": scene.mechanism.title,
-            "dimensions": sliders::dimensions(&self.source, &self.overrides, scene),
+            "dimensions": sliders::dimensions(&self.text, &self.overrides, scene),
             "inputs": sliders::inputs(&scene.mechanism, motion),
             "version": env!("CARGO_PKG_VERSION"),
         })
@@ -88,7 +88,7 @@ impl LiveScene {
     fn proof(&self, motion: &Trajectory) -> Value {
         let Opened { scene, system, .. } = &self.now;
         let mechanism = &scene.mechanism;
-        let proofs = PoseProofs::of(system.structure(), motion, self.asked.asked.poses);
+        let proofs = PoseProofs::of(system, motion, self.asked.asked.poses);
         let closes = motion.closure_error() <= self.asked.asked.closure;
         let status = match motion.missing() {
             0 if closes => proofs.case(mechanism).status.max(Status::Passed),
@@ -170,12 +170,12 @@ impl LiveScene {
         let check = self.asked.check(scene, system, &times);
         if motion.poses().next().is_none() {
             let answer = check.without_pose(motion, None);
-            return article_without_motion(&self.source.name, &answer.verdict);
+            return article_without_motion(&self.source().name, &answer.verdict);
         }
         let clearances = clearances.as_ref();
         let answer = check.answer(motion, &mut check.cover(motion, None), clearances, 0.0);
         let checked = CheckedMotion {
-            source: &self.source.name,
+            source: &self.source().name,
             scene,
             system,
             trajectory: motion,

@@ -56,7 +56,7 @@ impl LiveScene {
             guess,
             ..self.overrides.clone()
         };
-        let now = opened_scene(&self.source, &changed, &self.asked)?;
+        let now = opened_scene(&self.text, &changed, &self.asked)?;
         if now.first_pose().is_none() {
             let why = "no motion begins at this assembly";
             return Err(LiveError::Request(why.to_owned()));

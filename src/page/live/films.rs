@@ -81,8 +81,10 @@ impl LiveScene {
     ///
     /// Errors: a size that cannot be drawn.
     pub fn png(&self, time: f64, size: [u32; 2]) -> Result<Vec<u8>, LiveError> {
-        let file = Path::new(&self.source.name).file_name();
-        let source = file.map_or(self.source.name.clone(), |name| name.display().to_string());
+        let file = Path::new(&self.source().name).file_name();
+        let source = file.map_or(self.source().name.clone(), |name| {
+            name.display().to_string()
+        });
         let Overrides {
             parameters, guess, ..
         } = &self.overrides;

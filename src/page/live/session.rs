@@ -11,7 +11,8 @@ use crate::limits::LimitExceeded;
 use crate::model::mechanism::{Body, Kind, Mechanism};
 use crate::model::printed::{as_typed, shortest_decimal};
 use crate::scene::edit::with_values;
-use crate::scene::{Overrides, Scene, load_scene};
+use crate::scene::text::SceneText;
+use crate::scene::{Overrides, Scene};
 use crate::staging::model::extent_of_motion;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -66,7 +67,7 @@ fn first_pose(motion: &Trajectory) -> Option<&ClosedPose> {
 pub struct LiveScene {
     /// Its index on the page.
     pub(super) number: usize,
-    pub(super) source: Source,
+    pub(super) text: SceneText,
     pub(super) overrides: Overrides,
     /// Start values that the page was created with; those added by following change.
     own_guess: Vec<(String, String)>,
@@ -93,11 +94,12 @@ impl LiveScene {
         overrides: Overrides,
         asked: LiveRequirements,
     ) -> Result<Self, LiveError> {
-        let now = opened_scene(&source, &overrides, &asked)?;
+        let text = SceneText::read(source);
+        let now = opened_scene(&text, &overrides, &asked)?;
         Ok(Self {
             number,
             own_guess: overrides.guess.clone(),
-            source,
+            text,
             overrides,
             asked,
             told: Arc::clone(&now.scene.mechanism),
@@ -107,6 +109,11 @@ impl LiveScene {
             hand: None,
             follower: None,
         })
+    }
+
+    /// The text and its name.
+    pub(super) fn source(&self) -> &Source {
+        self.text.source()
     }
 
     pub(super) fn mechanism(&self) -> &Mechanism {
@@ -167,11 +174,11 @@ impl LiveScene {
             self.take(changed)?;
             return Ok(None);
         };
-        let scene = load_scene(&self.source, &changed).map_err(Box::new)?;
+        let scene = self.text.resolved(&changed).map_err(Box::new)?;
         let inputs = [&self.now.scene, &scene].map(|s| s.actuation.inputs_at(0.0));
         let follower = match self.follower.take() {
             Some(known) if known.fits(&self.overrides, name) => known,
-            _ => Follower::new(&self.source, &self.overrides, name)
+            _ => Follower::new(self.source(), &self.overrides, name)
                 .map_err(|error| LiveError::Request(error.to_string()))?,
         };
         let from = self.value(&follower, name).unwrap_or(wanted);
@@ -196,7 +203,7 @@ impl LiveScene {
         let start = motion_until(&system, &scene.actuation, &[0.0]);
         if !begins_at(&scene.mechanism, &start, pose) {
             changed.guess = guess_text(&scene.mechanism, pose);
-            scene = load_scene(&self.source, &changed).map_err(Box::new)?;
+            scene = self.text.resolved(&changed).map_err(Box::new)?;
             system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
         }
         let now = solved_scene(scene, system, &self.asked)?;
@@ -224,7 +231,7 @@ impl LiveScene {
     }
 
     fn take(&mut self, changed: Overrides) -> Result<(), LiveError> {
-        let now = opened_scene(&self.source, &changed, &self.asked)?;
+        let now = opened_scene(&self.text, &changed, &self.asked)?;
         self.adopt(changed, now);
         Ok(())
     }
@@ -241,19 +248,19 @@ impl LiveScene {
             parameters, guess, ..
         } = &self.overrides;
         match parameters.is_empty() && guess.is_empty() {
-            true => Some(self.source.text.clone()),
-            false => with_values(&self.source, parameters, guess).ok(),
+            true => Some(self.source().text.clone()),
+            false => with_values(self.source(), parameters, guess).ok(),
         }
     }
 }
 
-/// Reads a scene with changed values and solves its motion.
+/// Resolves a scene with changed values and solves its motion.
 pub(super) fn opened_scene(
-    source: &Source,
+    text: &SceneText,
     overrides: &Overrides,
     asked: &LiveRequirements,
 ) -> Result<Opened, LiveError> {
-    let scene = load_scene(source, overrides).map_err(Box::new)?;
+    let scene = text.resolved(overrides).map_err(Box::new)?;
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
     solved_scene(scene, system, asked)
 }

@@ -1,11 +1,11 @@
 //! The sliders: the dimensions of a scene with their ranges, and its inputs.
 
-use crate::diag::Source;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::printed::as_typed;
 use crate::model::study::Variable;
-use crate::scene::{Overrides, Scene, load_scene};
+use crate::scene::text::SceneText;
+use crate::scene::{Overrides, Scene};
 use serde_json::{Value, json};
 
 /// Range of a dimension without one of its own, as a fraction of its value.
@@ -19,7 +19,7 @@ const ANGLE: f64 = 0.35;
 const BEYOND: f64 = 0.5;
 
 /// The dimensions that a scene gives as numbers, the variables of its study first; none if they cannot be varied.
-pub(super) fn dimensions(source: &Source, overrides: &Overrides, scene: &Scene) -> Vec<Value> {
+pub(super) fn dimensions(text: &SceneText, overrides: &Overrides, scene: &Scene) -> Vec<Value> {
     let own = scene.study.iter().flat_map(|s| &s.variables);
     let mut names: Vec<String> = own.map(|v| v.name.clone()).collect();
     let others: Vec<String> = scene
@@ -34,7 +34,7 @@ pub(super) fn dimensions(source: &Source, overrides: &Overrides, scene: &Scene) 
         vary: names.clone(),
         ..overrides.clone()
     };
-    let varied = load_scene(source, &overrides).ok();
+    let varied = text.resolved(&overrides).ok();
     let variables = varied
         .and_then(|scene| scene.study)
         .map_or_else(Vec::new, |s| s.variables.clone());

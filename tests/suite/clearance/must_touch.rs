@@ -1,7 +1,7 @@
 //! Bodies that must touch and do not: every report has the least distance, the largest gap, and which of the two is wrong.
 
 use crate::program::Workspace;
-use crate::solids::{BOX_TRIANGLES, box_corner, stl_text};
+use crate::solids::{BOX_TRIANGLES, box_corner, stl_text, v};
 use serde_json::Value;
 
 /// A ball of radius 1 beside another one: they touch where `u` is zero, part where it is positive and overlap where it is negative.
@@ -164,6 +164,75 @@ fn a_box_of_inputs_tells_where_bodies_that_must_touch_part() {
 /// A mesh of a cube of side 10 about the origin of its body.
 fn cube() -> String {
     stl_text(BOX_TRIANGLES.map(|side| side.map(|k| 5.0 * box_corner(k))))
+}
+
+/// A frame of four walls around a square hole: corners `inner` and `outer` from the axis, from `low` to `high` along it.
+fn bush(inner: f64, outer: f64, [low, high]: [f64; 2]) -> String {
+    let ring = |r: f64, z: f64| [v(r, r, z), v(-r, r, z), v(-r, -r, z), v(r, -r, z)];
+    let rings = [
+        ring(inner, low),
+        ring(outer, low),
+        ring(outer, high),
+        ring(inner, high),
+    ];
+    // Once around the section, from each edge to the next, at every corner.
+    let sides = (0..4).flat_map(|k| (0..4).map(move |j| (k, j)));
+    let triangles = sides.flat_map(|(k, j)| {
+        let [a, b] = [&rings[k], &rings[(k + 1) % 4]];
+        let next = (j + 1) % 4;
+        [[a[j], b[next], b[j]], [a[j], a[next], b[next]]]
+    });
+    stl_text(triangles)
+}
+
+/// A pin that fits its bore touches it on all sides, and no shift parts them. Half the pin's width, where the bush stands and how it
+/// is turned, and whether they overlap.
+#[test]
+fn pins_that_fit_their_bores_touch_them() {
+    let w = Workspace::new();
+    w.write("bush.stl", bush(5.0, 9.0, [-10.0, 10.0]));
+    let mesh_pin = |half: f64| {
+        stl_text(BOX_TRIANGLES.map(|side| side.map(|k| half * box_corner(k) * v(1.0, 1.0, 4.0))))
+    };
+    // A head that rests on the bush, too.
+    let head = ", { box = { center = [0, 0, 12.5], size = [16, 16, 5] } }";
+    for (half, place, overlaps) in [
+        (5.0, "", false),
+        (5.0, "Tx(1e5) Ry(0.4)", false),
+        (4.999999, "", false),
+        (5.01, "", true),
+        (5.5, "Tx(1e5) Ry(0.4)", true),
+    ] {
+        w.write("pin.stl", mesh_pin(half));
+        let width = 2.0 * half;
+        let solid = format!("{{ box = {{ size = [{width:?}, {width:?}, 30] }} }}");
+        let mesh = "{ stl = { file = \"pin.stl\" } }".to_owned();
+        for (pin, motion) in [
+            (mesh, "Tz(u)"),
+            (solid.clone(), "Tz(u)"),
+            (format!("{solid}{head}"), "Tz(0*u)"),
+        ] {
+            w.write(
+                "scene.toml",
+                format!(
+                    "title = \"pin\"\nunits = {{ length = \"mm\", angle = \"rad\" }}\nduration = 1\n[inputs]\nu = \"t\"\n\
+                     [[bodies]]\nname = \"pin\"\nframe = \"{place} {motion}\"\nshapes = [{pin}]\n\
+                     [[bodies]]\nname = \"bush\"\nframe = \"{place} Tz(0*u)\"\nshapes = [{{ stl = {{ file = \"bush.stl\" }} }}]\n\
+                     [clearance]\ntouching = [{{ pair = [\"pin\", \"bush\"] }}]\n"
+                ),
+            );
+            let is_loose = half < 5.0 && !pin.contains("12.5");
+            let code = i32::from(overlaps || is_loose);
+            let asked = ["check", "scene.toml", "--samples", "5", "--json", "r.json"];
+            let text = w.run(&asked).exits(code).text();
+            let json: Value = serde_json::from_slice(&w.read("r.json")).unwrap();
+            let touching = &json["clearance"]["pairs"][0]["touching"];
+            assert_eq!(
+                touching["overlaps"], overlaps,
+                "{half} {place} {pin}\n{text}"
+            );
+        }
+    }
 }
 
 /// A mesh has no depth, but one that is in another body, or cut by it, does not merely touch it. The other body, how the cube moves

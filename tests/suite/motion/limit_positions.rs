@@ -197,6 +197,17 @@ fn outputs_turn_back_where_their_formulas_do() {
         (2.0, triangle, "exp(q)", &[]),
         (2.0, both, "p+q", &[]),
         (2.0, both_smooth, "p+2*q", &[]),
+        // At an end of the motion formulas that would go on are no limits, those that would turn back are.
+        (2.0, "q = \"t\"", "10*(q-sin(q))", &[]),
+        (2.0, "q = \"t\"", "q^3", &[]),
+        (2.0, "q = \"t\"", "q^9", &[]),
+        (2.0, "q = \"t\"", "exp(q^3)", &[]),
+        (2.0, "q = \"t\"", "q*abs(q)^3", &[]),
+        (2.0, "q = \"t\"", "(q-2)^3", &[]),
+        (2.0, "q = \"t\"", "(q-2)^5", &[]),
+        (2.0, "q = \"t\"", "q^4", &[(0.0, 0.0)]),
+        (2.0, "q = \"t\"", "1-cos(q)", &[(0.0, 0.0)]),
+        (2.0, "q = \"t\"", "(q-2)^6", &[(2.0, 0.0)]),
         // Nothing but rounding.
         (4.0, "q = \"t\"", "sin(q)^2+cos(q)^2", &[]),
         (4.0, "q = \"t\"", "sin(q)-cos(pi/2-q)", &[]),

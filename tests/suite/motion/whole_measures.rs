@@ -339,6 +339,56 @@ fn extremes_as_near_as_rounding_allows_need_few_parts() {
     }
 }
 
+/// The value of a measure, and not only its bound, is that of the whole motion: also of large values that vary by little, of small
+/// ones beside others of many magnitudes, and of distances. Drive of `u`, formula, take, and the value in closed form.
+#[test]
+fn values_do_not_depend_on_the_samples_at_any_magnitude() {
+    // The least of 3 sin(2t) + t is where 6 cos(2t) = -1.
+    let turn = std::f64::consts::PI - 0.5 * (-1.0_f64 / 6.0).acos();
+    let low = 3.0 * (2.0 * turn).sin() + turn;
+    let rows: [(&str, &str, &str, f64); 10] = [
+        ("3*sin(2*t)+t", "exp(u^3)", "min", low.powi(3).exp()),
+        ("3*sin(2*t)+t", "u^3", "min", low.powi(3)),
+        ("t", "exp(20*sin(7*u))", "min", (-20.0_f64).exp()),
+        ("t", "exp(20*sin(7*u))", "max", 20.0_f64.exp()),
+        ("t", "1e9+sin(20*u)", "range", 2.0),
+        ("t", "1e6+1e-3*sin(20*u)", "range", 2e-3),
+        ("t", "1e12+sin(20*u)", "max", 1e12 + 1.0),
+        ("t", "-1e-9*cos(20*u)", "max", 1e-9),
+        ("t", "(sin(7*u)+1.0001)^9", "min", 1e-36),
+        ("t", "3+(u-0.4321)^2*100", "min", 3.0),
+    ];
+    for (drive, formula, take, exact) in rows {
+        for samples in [10, 81] {
+            let text = format!(
+                "units = {{ length = \"m\", angle = \"rad\" }}\nduration = 3\n[inputs]\nu = \"{drive}\"\n\
+                 [outputs]\no = \"{formula}\"\n[measures]\nm = {{ of = \"o\", take = \"{take}\" }}\n"
+            );
+            let said = said(&text, samples);
+            // A range of large values is the difference of two that are rounded.
+            let size = if formula.starts_with("1e9") || formula.starts_with("1e6") {
+                1e9
+            } else {
+                0.0
+            };
+            let off = (said.value - exact).abs();
+            assert!(
+                off <= 1e-8 * exact.abs() + 4.0 * f64::EPSILON * size,
+                "{take} of {formula}: {} instead of {exact}, {samples} samples",
+                said.value
+            );
+        }
+    }
+    for samples in [10, 81] {
+        let text = "units = { length = \"m\", angle = \"rad\" }\nduration = 1\n[inputs]\nu = \"t\"\n\
+                    [[bodies]]\nname = \"A\"\nshapes = [{ sphere = { radius = 1 } }]\n\
+                    [[bodies]]\nname = \"B\"\nframe = \"Tx(3+(u-0.4321)^2*100)\"\nshapes = [{ sphere = { radius = 1 } }]\n\
+                    [outputs]\no = { distance = [\"A\", \"B\"] }\n[measures]\nm = { of = \"o\", take = \"min\" }\n";
+        let said = said(text, samples);
+        assert!((said.value - 1.0).abs() < 1e-12, "{} {samples}", said.value);
+    }
+}
+
 /// A drive that is elsewhere at one sample only, and formulas that lose all digits there: no bound is below the value, computed by hand.
 #[test]
 fn bounds_hold_at_a_pose_that_stands_alone() {

@@ -315,3 +315,49 @@ fn the_judge_names_nothing_of_the_engine() {
         assert!(!text.contains(&["mechanim", "::"].concat()), "{text}");
     }
 }
+
+/// What `check` says of all poses is the worst of what `solve` prints beside each: with the rounding of the printed unknowns. That of
+/// numbers far from one is all there is.
+#[test]
+fn checks_summarise_the_bounds_of_the_rows() {
+    let folder = Workspace::new();
+    let scene = |equation: &str| {
+        format!("duration = 1\n[inputs]\nu = \"t\"\n[equations]\na = \"{equation} + 0*u\"\n")
+    };
+    folder.write("long.toml", scene("1073741824*x - 4503599627370497"));
+    folder.write("large.toml", scene("1e-17*x - 1"));
+    let scenes = [
+        "slider-crank",
+        "gearshift",
+        "seven-r",
+        "sarrus",
+        "long.toml",
+        "large.toml",
+    ];
+    for name in scenes {
+        let samples = ["--samples", "11"];
+        folder.run(&[&["check", name, "--json", "r.json"], &samples[..]].concat());
+        folder.run(&[&["solve", name, "--out", "rows.csv"], &samples[..]].concat());
+        let report: serde_json::Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
+        let rows = String::from_utf8(folder.read("rows.csv")).unwrap();
+        let mut lines = rows.lines();
+        let column = lines
+            .next()
+            .unwrap()
+            .split(',')
+            .position(|c| c == "error_bound");
+        let bounds = lines.map(|row| {
+            row.split(',')
+                .nth(column.unwrap())
+                .unwrap()
+                .parse::<f64>()
+                .unwrap()
+        });
+        let worst = bounds.fold(0.0, f64::max);
+        assert_eq!(report["error_bound"].as_f64(), Some(worst), "{name}");
+        // The root is no f64 there: half a unit in the last place is the least that any bound can say.
+        if name.ends_with(".toml") {
+            assert!(worst > 1e-10, "{name}: {worst}");
+        }
+    }
+}

@@ -39,7 +39,7 @@ fn wave_roots(a: f64) -> Vec<f64> {
     roots
 }
 
-const ROWS: [Row; 20] = [
+const ROWS: [Row; 22] = [
     Row {
         equation: "exp(x) + u",
         roots: none,
@@ -135,6 +135,20 @@ const ROWS: [Row; 20] = [
         roots: || vec![-1e-4, 0.0, 1e-4],
         near: 1e-6,
     },
+    // Two that lie close together, and one that is small beside where its sister is.
+    Row {
+        equation: "(x - 1)*(x - 1.0000001) + 0*u",
+        roots: || vec![1.0, 1.0000001],
+        near: 1e-9,
+    },
+    Row {
+        equation: "x/(1 + x^2) - 1e-6 + 0*u",
+        roots: || {
+            let far = 0.5e6 * (1.0 + (1.0 - 4e-12_f64).sqrt());
+            vec![1.0 / far, far]
+        },
+        near: 1e-9,
+    },
     Row {
         equation: "x^2 - 2 + u",
         roots: || vec![-(2f64.sqrt()), 2f64.sqrt()],
@@ -176,6 +190,7 @@ fn equations_have_the_roots_that_they_have() {
         if found.len() != known.len() || !found.iter().zip(&known).all(is_near) || sets > 0 {
             wrong.push(format!("{equation}: {found:?} for {known:?}, {sets} sets"));
         }
+        assert!(report["searched_up_to"]["x"].as_f64() >= Some(1e6), "{report:#}");
         // What was searched is said wherever an estimate is given.
         let text = run.text();
         assert!(
@@ -184,6 +199,68 @@ fn equations_have_the_roots_that_they_have() {
         );
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Roots that are certified are regular, however small their slopes are beside the start values' scale; roots of higher order are not.
+#[test]
+fn only_roots_of_higher_order_are_called_singular() {
+    let folder = Workspace::new();
+    for (equation, singular) in [
+        ("(x - 1)*(x - 1.0000001) + 0*u", 0),
+        ("x/(1 + x^2) - 1e-6 + 0*u", 0),
+        ("(x - 3)*exp(-x) + u", 0),
+        ("(x - 1)^2*(x + 4) + 0*u", 1),
+        ("(x - 1)^3 + u", 1),
+    ] {
+        folder.write("modes.toml", scene(equation));
+        let run = folder.run(&["modes", "modes.toml", "--json", "m.json"]);
+        let report: Value = serde_json::from_slice(&folder.read("m.json")).unwrap();
+        let list = report["modes"].as_array().unwrap();
+        let found = list.iter().filter(|mode| mode["singular"] == true).count();
+        assert_eq!(found, singular, "{equation}: {report:#}");
+        assert_eq!(
+            run.text().contains("assemblies meet"),
+            singular > 0,
+            "{equation}"
+        );
+    }
+}
+
+/// An infinite slope at the start, or a formula that is flat there, is no lack of equations.
+#[test]
+fn equations_are_not_refused_for_the_slopes_at_their_start() {
+    let folder = Workspace::new();
+    for (equation, guess, words) in [
+        ("sqrt(x - 1)*(x - 5) + 0*u", "2", None),
+        ("sqrt(x) - x + 0*u", "0", None),
+        ("sqrt(x) + 0*u", "1", None),
+        (
+            "exp(-(x - 50)^2) - 0.5 + 0*u",
+            "20",
+            Some("start nearer to its solution"),
+        ),
+    ] {
+        folder.write(
+            "start.toml",
+            scene(equation) + &format!("[guess]\nx = {guess}\n"),
+        );
+        let run = folder.run(&["check", "start.toml"]);
+        assert!(
+            !run.stderr.contains("free than the inputs"),
+            "{equation}: {}",
+            run.stderr
+        );
+        assert_eq!(
+            words.is_some(),
+            run.stderr.contains("no equation determines"),
+            "{equation}"
+        );
+        assert!(
+            run.stderr.contains(words.unwrap_or_default()),
+            "{equation}: {}",
+            run.stderr
+        );
+    }
 }
 
 /// There are tens of thousands: more than are listed, and it is said.

@@ -2,6 +2,7 @@
 
 #![allow(clippy::panic)]
 
+mod flat_starts;
 mod kinks;
 mod minimax_problems;
 

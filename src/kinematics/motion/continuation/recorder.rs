@@ -4,6 +4,7 @@ use super::events::Events;
 use super::gaps::Gaps;
 use crate::kinematics::certificate::Certifier;
 use crate::kinematics::certificate::absence::has_no_pose;
+use crate::kinematics::certificate::regular::RegularPoses;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Stop};
 use crate::kinematics::motion::tracker::steps::StepBudget;
 use crate::kinematics::results::passed::PassedPoses;
@@ -205,7 +206,10 @@ impl<'s> Recorder<'s> {
                     self.note_parallel_axes(time, &found.coordinates);
                 }
                 let point = self.tracker.point(time, found.coordinates);
-                if persist && is_singular_start(&point.branch) {
+                if persist
+                    && is_singular_start(&point.branch)
+                    && !is_proved_regular(self.tracker.system(), &point.coordinates)
+                {
                     self.event(time, EventKind::StartSingular);
                 }
                 // From here on branches are compared with this point.
@@ -358,6 +362,12 @@ impl<'s> Recorder<'s> {
         // The drive may be feasible again before the next sample.
         self.resume(last, time)
     }
+}
+
+/// Whether a pose is proved to be regular, however small its singular value: the scale of an unknown may be far from its value.
+fn is_proved_regular(system: &System, coordinates: &[f64]) -> bool {
+    let mut poses = RegularPoses::new(system);
+    poses.error_bound(coordinates).is_some()
 }
 
 /// Whether the first pose is singular. A single equation has no condition, and a singular value of its own.
