@@ -20,7 +20,7 @@ use std::collections::{BinaryHeap, HashMap};
 const SHARE: f64 = 2e-10;
 
 /// No nearer than this share of the value: it is rounded.
-const ROUNDED: f64 = 4.0 * f64::EPSILON;
+const ROUNDED: f64 = 4.0 * OPERATION;
 
 /// Maximum number of parts examined: beyond it the bound of a formula is not refined.
 const MOST_PARTS: usize = 20_000;

@@ -15,6 +15,7 @@ pub mod primitive;
 pub(crate) mod primitive_distance;
 mod primitive_pair;
 mod rims;
+mod scaled;
 pub(crate) mod search;
 mod shell_boxes;
 mod shell_surface;

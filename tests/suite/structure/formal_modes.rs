@@ -190,7 +190,10 @@ fn equations_have_the_roots_that_they_have() {
         if found.len() != known.len() || !found.iter().zip(&known).all(is_near) || sets > 0 {
             wrong.push(format!("{equation}: {found:?} for {known:?}, {sets} sets"));
         }
-        assert!(report["searched_up_to"]["x"].as_f64() >= Some(1e6), "{report:#}");
+        assert!(
+            report["searched_up_to"]["x"].as_f64() >= Some(1e6),
+            "{report:#}"
+        );
         // What was searched is said wherever an estimate is given.
         let text = run.text();
         assert!(
