@@ -220,14 +220,17 @@ impl<'m> LimitSearch<'m> {
     /// A reversal at an end of the motion, where the next sample is `next`; unless the drive rests there: then everything does.
     fn note(&mut self, quantity: usize, [end, next]: [usize; 2], is_largest: bool) {
         let [time, after] = [end, next].map(|k| self.samples[k].time);
-        if !self.rests_at(time) && self.would_turn_back(end, after - time) {
+        if !self.rests_at(time)
+            && self.is_of_even_order(end, after - time)
+            && self.would_turn_back(quantity, [end, next])
+        {
             self.push_sample(quantity, end, is_largest);
         }
     }
 
-    /// Whether the quantity that is searched would turn back if the motion went on past this end of it: the first term of its
-    /// series that counts over a step has an even order. With an odd one it only pauses, and without a series nothing is known.
-    fn would_turn_back(&self, end: usize, step: f64) -> bool {
+    /// Whether the first term that counts over a step, in the series of the quantity that is searched at an end of the motion, has an
+    /// even order. With an odd one it only pauses there, and without a series nothing is known.
+    fn is_of_even_order(&self, end: usize, step: f64) -> bool {
         let sample = &self.samples[end];
         let Some(pose) = &sample.pose else {
             return false;
@@ -244,6 +247,33 @@ impl<'m> LimitSearch<'m> {
             let first = (1..=order).find(|k| term(*k) > LEADING * largest);
             first.is_some_and(|order| order % 2 == 0)
         })
+    }
+
+    /// Whether a quantity is on one side of its value at an end of the motion also where the inputs would be if they went on: at a kink
+    /// the series tells one side only.
+    fn would_turn_back(&mut self, quantity: usize, [end, next]: [usize; 2]) -> bool {
+        let samples = [end, next].map(|k| &self.samples[k]);
+        let [Some(here), Some(there)] = samples.map(|sample| sample.pose.as_ref()) else {
+            return false;
+        };
+        let pairs = samples[0].inputs.iter().zip(&samples[1].inputs);
+        let beyond = pairs.map(|(here, there)| here - (there - here));
+        let at = |unknowns: &[f64], sample: &Sample| [unknowns, &sample.inputs].concat();
+        let [here, there] = [
+            at(&here.unknowns, samples[0]),
+            at(&there.unknowns, samples[1]),
+        ];
+        let mut outside = here.clone();
+        outside.truncate(self.system.mechanism().unknowns.len());
+        outside.extend(beyond);
+        if !self.solver.closed(&mut outside, Pace::Brisk) {
+            return false;
+        }
+        let [time, after] = samples.map(|sample| sample.time);
+        let value = self.value_at(quantity, time, &here);
+        let inside = self.value_at(quantity, after, &there) - value;
+        let outside = self.value_at(quantity, time, &outside) - value;
+        inside != 0.0 && outside != 0.0 && inside.signum() == outside.signum()
     }
 
     /// Whether no input moves at a time.

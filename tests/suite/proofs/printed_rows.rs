@@ -354,9 +354,12 @@ fn checks_summarise_the_bounds_of_the_rows() {
                 .unwrap()
         });
         let worst = bounds.fold(0.0, f64::max);
-        assert_eq!(report["error_bound"].as_f64(), Some(worst), "{name}");
+        let told = report["error_bound"].as_f64().unwrap();
+        // A check also looks at the keys of its drives.
+        assert!(told >= worst, "{name}: {told} {worst}");
         // The root is no f64 there: half a unit in the last place is the least that any bound can say.
         if name.ends_with(".toml") {
+            assert_eq!(told, worst, "{name}");
             assert!(worst > 1e-10, "{name}: {worst}");
         }
     }
