@@ -93,8 +93,8 @@ impl Matcher {
         bits.put(self.dictionary.clear_code(), self.dictionary.width());
         let mut at = 0;
         let mut last = None;
-        while let Some(rest) = pixels.get(at..).filter(|rest| !rest.is_empty()) {
-            let (found, length) = self.best_string(rest, last);
+        while at < pixels.len() {
+            let (found, length) = self.best_string(pixels, at, last);
             if let Some(last) = last {
                 self.dictionary.add(last, found.first);
             }
@@ -120,8 +120,13 @@ impl Matcher {
         bits.finish();
     }
 
-    /// The string to send for the start of `pixels`, and its length; `last` is the string sent before.
-    fn best_string(&mut self, pixels: &[Pixel], last: Option<u16>) -> (Candidate, usize) {
+    /// The string to send for the pixels from number `at` on, and its length; `last` is the string sent before.
+    fn best_string(
+        &mut self,
+        pixels: &[Pixel],
+        at: usize,
+        last: Option<u16>,
+    ) -> (Candidate, usize) {
         let Self {
             dictionary,
             costs,
@@ -136,9 +141,9 @@ impl Matcher {
             transparent: self.transparent,
             last,
         };
-        let mut covered = step.start(pixels, front);
+        let mut covered = step.start(pixels, at, front);
         let mut best = (front.items[0], covered);
-        while let Some(pixel) = pixels.get(covered) {
+        while let Some(pixel) = pixels.get(at + covered) {
             back.length = 0;
             // All continuations that the dictionary has and the pixel allows.
             match pixel.change {
@@ -173,14 +178,14 @@ struct BeamStep<'a> {
 
 impl BeamStep<'_> {
     /// Puts the initial strings into `front`, at least one, and returns how many pixels they cover.
-    fn start(&self, pixels: &[Pixel], front: &mut Beam) -> usize {
+    fn start(&self, pixels: &[Pixel], at: usize, front: &mut Beam) -> usize {
         front.length = 0;
-        let Some(pixel) = pixels.first() else {
+        let Some(pixel) = pixels.get(at) else {
             return 0;
         };
         if pixel.change == PixelChange::Stretch {
             // Only the transparent index fits: as many as the dictionary has in one string.
-            let (node, length) = self.dictionary.run(pixel.stretch_left());
+            let (node, length) = self.dictionary.run(pixel.run_end() - at);
             front.push(Candidate {
                 node,
                 first: self.transparent,
