@@ -73,11 +73,19 @@ impl ToneCurve {
     /// Nearest sRGB code of a linear value; values outside 0..=1 are clamped, not a number becomes 0.
     #[inline]
     pub fn encode(&self, value: f32) -> u8 {
-        let value = super::look::clamp_unit(value);
+        self.encode_all([value])[0]
+    }
+
+    /// The same for several values.
+    #[inline(always)]
+    pub fn encode_all<const N: usize>(&self, values: [f32; N]) -> [u8; N] {
+        let values = values.map(super::look::clamp_unit);
         // At 2^23 the last bit of a number is worth 1: the low bits are the rounded value.
-        let cell = (value * GUESS_CELLS as f32 + 8_388_608.0).to_bits() as usize;
-        let guess = self.guess[cell % (2 * GUESS_CELLS)];
-        guess + u8::from(value >= self.thresholds[guess as usize])
+        let cells = values.map(|value| (value * GUESS_CELLS as f32 + 8_388_608.0).to_bits());
+        std::array::from_fn(|k| {
+            let guess = self.guess[cells[k] as usize % (2 * GUESS_CELLS)];
+            guess + u8::from(values[k] >= self.thresholds[guess as usize])
+        })
     }
 }
 

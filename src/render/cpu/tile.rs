@@ -127,22 +127,18 @@ impl<const G: usize> TileSamples<G> {
         (bytes, first, stride): (&mut [u8], i32, usize),
     ) {
         let bin = &view.assembly.bins[number];
-        let shadow = view
-            .shadow
-            .filter(|_| view.backdrop.shaded(number, view.shadow));
-        let view = RasterView { shadow, ..*view };
         self.seen_backdrop = part.pixels;
         self.bare = part.pixels;
         // A tile without triangles is background.
         if bin.is_empty() {
-            fill_background(&view, part, (bytes, first, stride));
+            fill_background(view, part, (bytes, first, stride));
             return;
         }
         // What the lines of these pixels depend on.
         let needed = part.pixels.grown(view.assembly.apron);
         // Depth and facet of every sample, then lines, then translucent layers over them.
-        self.clear(&view, part.window, &needed);
-        self.cover_bin(&view, bin, part.window, &needed);
+        self.clear(view, part.window, &needed);
+        self.cover_bin(view, bin, part.window, &needed);
         if let Some(outlines) = &mut self.outlines {
             outlines.read(view.assembly, &self.cells, &needed);
             outlines.find(view.lens, part, false);
@@ -151,15 +147,15 @@ impl<const G: usize> TileSamples<G> {
         if translucent {
             let cells = &self.cells;
             self.layers
-                .collect(&view, bin, (part.window, &needed), &self.pattern, cells);
+                .collect(view, bin, (part.window, &needed), &self.pattern, cells);
         }
         // Colours: opaque surfaces, lines, layers, and the encoded bytes.
-        self.light(&view, part, translucent);
-        self.ink(&view, part);
+        self.light(view, part, translucent);
+        self.ink(view, part);
         if translucent {
-            self.blend_layers(&view, part);
+            self.blend_layers(view, part);
         }
-        self.write(&view, part, (bytes, first, stride));
+        self.write(view, part, (bytes, first, stride));
     }
 
     fn ink(&mut self, view: &RasterView, part: &TilePart) {
