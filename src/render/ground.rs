@@ -193,9 +193,12 @@ impl GroundView {
         if self.pitch <= 0.0 {
             return [0.0; N];
         }
-        let [across, along] = [(&self.u, &row.at[0]), (&self.v, &row.at[1])]
-            .map(|(form, value)| self.lines_along(form, value, &row.w));
-        std::array::from_fn(|k| look::larger_of(across[k], along[k]))
+        let mut lines = self.lines_along(&self.u, &row.at[0], &row.w);
+        let others = self.lines_along(&self.v, &row.at[1], &row.w);
+        for (line, other) in lines.iter_mut().zip(others) {
+            *line = look::larger_of(*line, other);
+        }
+        lines
     }
 
     /// Cover by the grid lines at whole multiples of one coordinate, whose form and values are given.
@@ -291,7 +294,11 @@ impl<const N: usize> GroundRow<N> {
     /// Opacities of the ground, 0 at the radius and beyond.
     #[inline(always)]
     pub fn fade(&self) -> [f32; N] {
-        std::array::from_fn(|k| look::ground_fade(self.share[k] as f32))
+        let mut fade = [0.0; N];
+        for (fade, share) in fade.iter_mut().zip(self.share) {
+            *fade = look::ground_fade(share as f32);
+        }
+        fade
     }
 }
 

@@ -218,41 +218,56 @@ impl Backdrop {
 /// The middles of pixels from the column `first` on.
 #[inline(always)]
 fn centres(first: usize) -> [f64; LANES] {
-    std::array::from_fn(|k| (first + k) as f64 + 0.5)
+    let mut centres = [first as f64 + 0.5; LANES];
+    for (k, centre) in centres.iter_mut().enumerate() {
+        *centre += k as f64;
+    }
+    centres
 }
 
 /// The factors on the background that pixels of a row show, without shadow; 1 off the ground.
 #[inline(always)]
 fn factors_of(view: &GroundView, row: &GroundRow<LANES>, shade: [f32; 2]) -> [f32; LANES] {
     let (fade, lines) = (row.fade(), view.lines(row));
-    let factors: [f32; LANES] =
-        std::array::from_fn(|k| look::ground_factor(fade[k], lines[k], 0.0, shade));
-    std::array::from_fn(|k| if row.seen[k] { factors[k] } else { 1.0 })
+    let mut factors = [1.0; LANES];
+    for k in 0..LANES {
+        let factor = look::ground_factor(fade[k], lines[k], 0.0, shade);
+        factors[k] = if row.seen[k] { factor } else { 1.0 };
+    }
+    factors
 }
 
 /// The codes of pixels with these factors; `bare` is that of the background.
 #[inline(always)]
 fn codes_of(factors: [f32; LANES], background: Rgb, bare: [u8; 4]) -> [[u8; 4]; LANES] {
     let curve = ToneCurve::shared();
-    let [r, g, b] = background.map(|c| curve.encode_all(factors.map(|factor| c * factor)));
-    std::array::from_fn(|k| match factors[k] == 1.0 {
-        true => bare,
-        false => [r[k], g[k], b[k], 255],
-    })
+    let mut codes = [[255; 4]; LANES];
+    for (channel, own) in background.into_iter().enumerate() {
+        let mut values = factors;
+        values.iter_mut().for_each(|value| *value *= own);
+        for (code, value) in codes.iter_mut().zip(curve.encode_all(values)) {
+            code[channel] = value;
+        }
+    }
+    for (code, factor) in codes.iter_mut().zip(factors) {
+        if factor == 1.0 {
+            *code = bare;
+        }
+    }
+    codes
 }
 
 /// Where pixels of a row look up the shadow.
 #[inline(always)]
 fn spots_of(row: &GroundRow<LANES>) -> [ShadowSpot; LANES] {
     let fade = row.fade();
-    std::array::from_fn(|k| {
+    let mut spots = [ShadowSpot::default(); LANES];
+    for (k, spot) in spots.iter_mut().enumerate().filter(|(k, _)| row.seen[*k]) {
         let [u, v] = row.at(k);
-        match row.seen[k] {
-            true => ShadowSpot {
-                darkest: fade[k] * look::SHADOW_DARKNESS,
-                place: TexelPlace::new(u, v),
-            },
-            false => ShadowSpot::default(),
-        }
-    })
+        *spot = ShadowSpot {
+            darkest: fade[k] * look::SHADOW_DARKNESS,
+            place: TexelPlace::new(u, v),
+        };
+    }
+    spots
 }
