@@ -6,13 +6,12 @@ use super::mask::{PixelMask, TilePart};
 use super::outlines::OutlineFinder;
 use super::rasterise::rasterise_block;
 use super::samples::{LANES, SUBPIXELS, SamplePattern};
-use super::shading::{ShadingBatch, normal_at};
+use super::shading::{Receive, ShadingBatch};
 use super::translucent::Layers;
 use super::view::RasterView;
 use super::window::{AREA, TILE, Window};
 use crate::render::Stage;
 use crate::render::colour::ToneCurve;
-use crate::render::look::ALL_OPEN;
 use wide::{f32x4, i32x4};
 
 /// Marks a pixel without any facet.
@@ -270,26 +269,34 @@ impl<const G: usize> TileSamples<G> {
 
     #[inline(never)]
     fn light_samples<const S: usize>(&mut self, view: &RasterView, part: &TilePart, layers: bool) {
-        let cells = self.cells.as_slice();
-        let colour = self.colour.as_mut_slice();
-        self.seen_backdrop = PixelMask::NONE;
+        let Self {
+            cells,
+            colour,
+            batch,
+            layers: over,
+            seen_backdrop,
+            ..
+        } = self;
+        let cells = cells.as_slice();
+        let is_touched = |pixel: usize| layers && over.touch(pixel);
+        *seen_backdrop = PixelMask::NONE;
         part.for_each(|pixel, x, y| {
             let own = &facets_of::<S, G>(cells, pixel);
             let first = own[0];
             if own.contains(&NOTHING) {
-                self.seen_backdrop.insert(pixel);
+                seen_backdrop.insert(pixel);
             }
-            if *own == [NOTHING; S] && !(layers && self.layers.touch(pixel)) {
+            if *own == [NOTHING; S] && !is_touched(pixel) {
                 colour[pixel] = BARE;
                 return;
             }
             colour[pixel] = [0.0; 3];
-            if layers && self.layers.touch(pixel) {
+            if is_touched(pixel) {
                 return;
             }
             // Most pixels show one surface: one evaluation of the light.
             if one_surface(view.assembly, own) {
-                self.batch.add(view, first, x, y, 1.0, pixel, colour);
+                batch.add(view, first, [x, y], (1.0, pixel), &mut add_to(colour));
                 return;
             }
             let mut seen = SeenFacets::of(own);
@@ -302,11 +309,11 @@ impl<const G: usize> TileSamples<G> {
                 colour[pixel] = rgb.map(|c| c * weight(*count));
             }
             for (facet, count) in seen.iter().filter(|(facet, _)| *facet != NOTHING) {
-                let weight = weight(*count);
-                self.batch.add(view, *facet, x, y, weight, pixel, colour);
+                let item = (weight(*count), pixel);
+                batch.add(view, *facet, [x, y], item, &mut add_to(colour));
             }
         });
-        self.batch.flush(&view.around, colour);
+        self.batch.flush(view, &mut add_to(&mut self.colour));
     }
 
     #[inline(never)]
@@ -339,48 +346,11 @@ impl<const G: usize> TileSamples<G> {
     }
 }
 
-impl ShadingBatch {
-    /// Adds a facet in a pixel, lighting the batch when it is full. Returns its normal and the direction of the viewer; neither has
-    /// length 1.
-    #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
-    pub(super) fn add(
-        &mut self,
-        view: &RasterView,
-        number: i32,
-        x: i32,
-        y: i32,
-        weight: f32,
-        pixel: usize,
-        colour: &mut [[f32; 3]],
-    ) -> [[f32; 3]; 2] {
-        let facet = &view.assembly.facets[number as usize];
-        let paint = &view.assembly.paints[facet.instance()];
-        // Interpolated between the corners, at the centre of the pixel.
-        let (normal, nearness) = normal_at(view.assembly, facet, view.lens, x, y);
-        let at = [x as f32 + 0.5, y as f32 + 0.5];
-        let to_viewer = view.lens.viewer_from(at[0], at[1]);
-        // How much of the light reaches this place; wholly flat colours need none.
-        let open = match view.shade {
-            Some(shade) if paint.flat < 1.0 => {
-                let place = view.lens.place(at[0], at[1], nearness);
-                shade.on(at, place, normal)
-            }
-            _ => ALL_OPEN,
-        };
-        // It waits in the batch, which is lit all at once.
-        self.push(
-            [normal, to_viewer],
-            paint.albedo,
-            paint.flat,
-            open,
-            weight,
-            pixel as u32,
-        );
-        if self.is_full() {
-            self.flush(&view.around, colour);
-        }
-        [normal, to_viewer]
+/// Adds lit surfaces to their pixels.
+fn add_to(pixels: &mut [[f32; 3]]) -> impl Receive {
+    |pixel, [r, g, b, _]| {
+        let own = &mut pixels[pixel];
+        *own = [own[0] + r, own[1] + g, own[2] + b];
     }
 }
 
