@@ -190,6 +190,14 @@ impl<const G: usize> TileSamples<G> {
             return;
         };
         let samples = self.pattern.samples;
+        let places = |places: &[[i32; LANES]; G]| {
+            let mut offsets = [0.0; MOST_SAMPLES];
+            for (offset, place) in offsets.iter_mut().zip(places.as_flattened()) {
+                *offset = f64::from(*place) / f64::from(SUBPIXELS);
+            }
+            offsets
+        };
+        let offsets = [places(&self.pattern.x), places(&self.pattern.y)];
         // The ground hides what is below it: its depth is the first in every sample.
         let [right, down, start] = ground.nearness(view.lens.perspective);
         let part = TilePart {
@@ -201,15 +209,11 @@ impl<const G: usize> TileSamples<G> {
             if !ground.is_seen(x + 0.5, y + 0.5) {
                 return;
             }
-            for s in 0..samples {
-                let place = |p: f64, offset: &[[i32; LANES]; G]| {
-                    p + f64::from(offset.as_flattened()[s]) / f64::from(SUBPIXELS)
-                };
-                let (x, y) = (place(x, &self.pattern.x), place(y, &self.pattern.y));
-                let lane = pixel * samples + s;
-                let cell = &mut self.cells[lane / (LANES * G)];
-                cell.depth.as_flattened_mut()[lane % (LANES * G)] =
-                    (right * x + down * y + start) as f32;
+            let lane = pixel * samples;
+            let cell = &mut self.cells[lane / (LANES * G)];
+            let own = &mut cell.depth.as_flattened_mut()[lane % (LANES * G)..][..samples];
+            for ((depth, along), below) in own.iter_mut().zip(offsets[0]).zip(offsets[1]) {
+                *depth = (right * (x + along) + down * (y + below) + start) as f32;
             }
         });
     }

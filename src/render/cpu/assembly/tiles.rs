@@ -57,13 +57,21 @@ impl ScreenTriangle {
             return;
         }
         // Block by block: those that none of the sides keeps out.
-        for y in (top..top + TILE as i32).step_by(BLOCK as usize) {
-            for x in (left..left + TILE as i32).step_by(BLOCK as usize) {
-                let part =
-                    |p: i32, [first, last]: [i32; 2]| [p.max(first), (p + BLOCK - 1).min(last)];
+        let part = |p: i32, [first, last]: [i32; 2]| [p.max(first), (p + BLOCK - 1).min(last)];
+        let blocks = |start: i32, [first, last]: [i32; 2]| {
+            let last = last.min(start + TILE as i32 - 1);
+            let block = |p: i32| (p.max(start) - start) / BLOCK;
+            if last < first.max(start) {
+                0..0
+            } else {
+                block(first)..block(last) + 1
+            }
+        };
+        for row in blocks(top, self.pixels.y) {
+            for column in blocks(left, self.pixels.x) {
                 let block = Window {
-                    x: part(x, self.pixels.x),
-                    y: part(y, self.pixels.y),
+                    x: part(left + column * BLOCK, self.pixels.x),
+                    y: part(top + row * BLOCK, self.pixels.y),
                 };
                 if self.meets(block.x, block.y) {
                     mask.add([left, top], &block);
