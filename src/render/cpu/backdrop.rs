@@ -198,6 +198,21 @@ impl Backdrop {
         &self.codes[start..start + count]
     }
 
+    /// Code of a pixel that the shadow changes.
+    #[inline(always)]
+    pub(super) fn shaded_code(
+        &self,
+        x: usize,
+        y: usize,
+        shadow: Option<&ContactShadow>,
+    ) -> Option<[u8; 4]> {
+        let (rgb, is_shaded) = self.linear(x, y, shadow);
+        is_shaded.then(|| {
+            let [r, g, b] = ToneCurve::shared().encode_all(rgb);
+            [r, g, b, 255]
+        })
+    }
+
     /// Linear colour of a pixel, with the shadow where there is one, and whether the shadow changes it.
     #[inline(always)]
     pub(super) fn linear(&self, x: usize, y: usize, shadow: Option<&ContactShadow>) -> (Rgb, bool) {

@@ -360,19 +360,8 @@ fn add_to(pixels: &mut [[f32; 3]]) -> impl Receive {
 
 #[inline(always)]
 fn bare_pixel(view: &RasterView, x: usize, y: usize) -> [u8; 4] {
-    if view.shadow.is_some() {
-        let (rgb, changed) = view.backdrop.linear(x, y, view.shadow);
-        if changed {
-            let curve = ToneCurve::shared();
-            return [
-                curve.encode(rgb[0]),
-                curve.encode(rgb[1]),
-                curve.encode(rgb[2]),
-                255,
-            ];
-        }
-    }
-    view.backdrop.codes(x, y, 1)[0]
+    let shaded = view.backdrop.shaded_code(x, y, view.shadow);
+    shaded.unwrap_or_else(|| view.backdrop.codes(x, y, 1)[0])
 }
 
 /// Draws bare pixels of a tile. `bytes` are the picture's from its row `first` on, `stride` bytes a row.
@@ -387,12 +376,13 @@ pub(super) fn fill_background(
             return;
         };
         let (x, y) = (x as usize, y as usize);
+        row.copy_from_slice(view.backdrop.codes(x, y, count).as_flattened());
         if view.shadow.is_some() {
             for (k, target) in row.as_chunks_mut::<4>().0.iter_mut().enumerate() {
-                *target = bare_pixel(view, x + k, y);
+                if let Some(code) = view.backdrop.shaded_code(x + k, y, view.shadow) {
+                    *target = code;
+                }
             }
-        } else {
-            row.copy_from_slice(view.backdrop.codes(x, y, count).as_flattened());
         }
     });
 }
