@@ -20,45 +20,55 @@ struct Candidate {
     error: i32,
 }
 
+impl Candidate {
+    const NONE: Self = Self {
+        node: 0,
+        first: 0,
+        error: NEVER,
+    };
+
+    fn is_some(&self) -> bool {
+        self.error != NEVER
+    }
+}
+
 /// The cheapest candidates, cheapest first; of equals, those that came first.
 struct Beam {
     items: [Candidate; BEAM],
-    length: usize,
 }
 
 impl Beam {
-    fn new() -> Self {
-        let none = Candidate {
-            node: 0,
-            first: 0,
-            error: NEVER,
-        };
-        Self {
-            items: [none; BEAM],
-            length: 0,
-        }
+    const EMPTY: Self = Self {
+        items: [Candidate::NONE; BEAM],
+    };
+
+    #[inline]
+    fn clear(&mut self) {
+        self.items = Self::EMPTY.items;
     }
 
     #[inline]
-    fn items(&self) -> &[Candidate] {
-        &self.items[..self.length.min(BEAM)]
+    fn is_empty(&self) -> bool {
+        !self.items[0].is_some()
+    }
+
+    #[inline]
+    fn items(&self) -> impl Iterator<Item = &Candidate> {
+        self.items.iter().take_while(|item| item.is_some())
     }
 
     #[inline]
     fn push(&mut self, candidate: Candidate) {
-        if self.length >= BEAM {
-            if self.items[BEAM - 1].error <= candidate.error {
-                return;
-            }
-            self.length = BEAM - 1;
+        if self.items[BEAM - 1].error <= candidate.error {
+            return;
         }
-        let mut place = self.length;
+        // The last one leaves.
+        let mut place = BEAM - 1;
         while place > 0 && self.items[place - 1].error > candidate.error {
             self.items[place] = self.items[place - 1];
             place -= 1;
         }
         self.items[place] = candidate;
-        self.length += 1;
     }
 }
 
@@ -79,7 +89,7 @@ impl Matcher {
             costs: Costs::new(colours, transparent, loss.limit),
             transparent,
             price: loss.price,
-            beams: [Beam::new(), Beam::new()],
+            beams: [Beam::EMPTY; 2],
         }
     }
 
@@ -144,19 +154,26 @@ impl Matcher {
         let mut covered = step.start(pixels, at, front);
         let mut best = (front.items[0], covered);
         while let Some(pixel) = pixels.get(at + covered) {
-            back.length = 0;
-            // All continuations that the dictionary has and the pixel allows.
-            match pixel.change {
-                PixelChange::Stretch => step.stretch_strings(front, back),
-                _ if covered == 1 => step.second_pixel(pixel, front, back),
-                PixelChange::Same => step.unchanged_pixel(pixel.shown, front, back),
-                PixelChange::Changed => step.changed_pixel(pixel, front, back),
+            let followed = match pixel.change {
+                PixelChange::Stretch => step.follow_run(front, pixel.run_end() - at - covered),
+                _ => 0,
+            };
+            covered += followed;
+            if followed == 0 {
+                back.clear();
+                // All continuations that the dictionary has and the pixel allows.
+                match pixel.change {
+                    PixelChange::Stretch => step.stretch_strings(front, back),
+                    _ if covered == 1 => step.second_pixel(pixel, front, back),
+                    PixelChange::Same => step.unchanged_pixel(pixel.shown, front, back),
+                    PixelChange::Changed => step.changed_pixel(pixel, front, back),
+                }
+                if back.is_empty() {
+                    break;
+                }
+                std::mem::swap(&mut front, &mut back);
+                covered += 1;
             }
-            if back.length == 0 {
-                break;
-            }
-            std::mem::swap(&mut front, &mut back);
-            covered += 1;
             // A longer string is taken if its further error is worth the pixels that it covers.
             let candidate = front.items[0];
             let gain = (covered - best.1) as i32;
@@ -179,7 +196,7 @@ struct BeamStep<'a> {
 impl BeamStep<'_> {
     /// Puts the initial strings into `front`, at least one, and returns how many pixels they cover.
     fn start(&self, pixels: &[Pixel], at: usize, front: &mut Beam) -> usize {
-        front.length = 0;
+        front.clear();
         let Some(pixel) = pixels.get(at) else {
             return 0;
         };
@@ -215,6 +232,25 @@ impl BeamStep<'_> {
                 }
             }
         });
+    }
+
+    /// Extends all strings by pixels of a run, `most` at most, as long as the dictionary has each of them; returns by how
+    /// many. The errors are as before: which string is taken need be decided only at the end.
+    #[inline]
+    fn follow_run(&self, front: &mut Beam, most: usize) -> usize {
+        let mut followed = 0;
+        while followed < most {
+            let next = front.items.map(|item| self.dictionary.run_child(item.node));
+            let mut ends = front.items.iter().zip(next);
+            if ends.any(|(item, next)| item.is_some() && next == NONE) {
+                break;
+            }
+            for (item, next) in front.items.iter_mut().zip(next) {
+                item.node = next;
+            }
+            followed += 1;
+        }
+        followed
     }
 
     /// A pixel in a run: the transparent index.
