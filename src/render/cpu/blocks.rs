@@ -57,7 +57,6 @@ pub(super) fn by_blocks<const G: usize>(
     while size > LEAST_BLOCK && steepest * i64::from(size * SUBPIXELS) >= BLOCK_REACH {
         size /= 2;
     }
-    let needed_rows = needed.rows().map(|row| row as i32);
     let block = |at: i32, origin: i32| (at - origin) / size;
     for row in block(area.y[0], window.y[0])..block(area.y[1], window.y[0]) + 1 {
         for column in block(area.x[0], window.x[0])..block(area.x[1], window.x[0]) + 1 {
@@ -73,7 +72,7 @@ pub(super) fn by_blocks<const G: usize>(
                 ..s
             });
             let cells = RasterCells::new(&part, window, pattern);
-            let cells = (&cells, needed, needed_rows);
+            let cells = (&cells, needed);
             in_block(&moved, span, cells, &plane, corner, lanes, &mut visit);
         }
     }
@@ -83,18 +82,13 @@ pub(super) fn by_blocks<const G: usize>(
 fn in_block<const G: usize>(
     sides: &[EdgeSide<i64>; 3],
     span: i64,
-    (cells, needed, needed_rows): (&RasterCells, &PixelMask, [i32; 2]),
+    (cells, needed): (&RasterCells, &PixelMask),
     plane: &Plane,
     corner: [i32; 2],
     lanes: (&SamplePattern<G>, &[f32x4; G]),
     visit: &mut impl Visit,
 ) {
     let (pattern, _) = lanes;
-    let first = cells.y[0].max(needed_rows[0]);
-    let end = (cells.y[1] + 1).min(needed_rows[1]);
-    if first >= end {
-        return;
-    }
     let mut crossing = [EdgeSide {
         x: 0,
         y: 0,
@@ -132,8 +126,8 @@ fn in_block<const G: usize>(
         last: (cells.x[1] - cells.x[0]) as f32,
     };
     let mut ranges = [[1, 0]; ROWS];
-    for row in first..end {
-        let k = (row - first) as usize % ROWS;
+    for row in cells.y[0]..cells.y[1] + 1 {
+        let k = (row - cells.y[0]) as usize % ROWS;
         if k == 0 {
             ranges = rows.ranges((row - cells.y[0]) * SUBPIXELS);
         }

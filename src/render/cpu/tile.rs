@@ -237,11 +237,11 @@ impl<const G: usize> TileSamples<G> {
             if !needed.meets(window.corner(), &facet.pixels()) {
                 continue;
             }
-            let corners = view.assembly.corners(&facet.corners);
             let own = i32x4::splat(*number as i32);
             let cells = self.cells.as_mut_slice();
             rasterise_block(
-                corners,
+                view.assembly,
+                facet,
                 (&window, needed),
                 &self.pattern,
                 |cell, g, covered, new| {

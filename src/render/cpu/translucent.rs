@@ -105,10 +105,10 @@ impl<const G: usize> Layers<G> {
             if !needed.meets(window.corner(), &facet.pixels()) {
                 continue;
             }
-            let corners = view.assembly.corners(&facet.corners);
             let drawn = *number as i32;
             rasterise_block(
-                corners,
+                view.assembly,
+                facet,
                 (&window, needed),
                 pattern,
                 |cell, g, covered, new| {
