@@ -129,7 +129,7 @@ impl ItemBlock {
         let shares = self.shares();
         let normal = self.normals(&shares, view.lens.perspective);
         let open = self.open(view, &shares, &normal);
-        let to_viewer = self.to_viewer(view.lens);
+        let to_viewer = self.directions(view.lens);
         let around = view.around;
         let mut lit = [[0.0; LANES]; 4];
         for i in 0..LANES {
@@ -151,7 +151,7 @@ impl ItemBlock {
 
     /// Directions to the viewer, of any length.
     #[inline(always)]
-    fn to_viewer(&self, lens: &Lens) -> [[f32; LANES]; 3] {
+    fn directions(&self, lens: &Lens) -> [[f32; LANES]; 3] {
         let mut to_viewer = [[0.0; LANES]; 3];
         for i in 0..LANES {
             let [x, y] = [self.x[i], self.y[i]].map(|c| c as f32 + 0.5);
