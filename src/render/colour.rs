@@ -73,11 +73,25 @@ impl ToneCurve {
     /// Nearest sRGB code of a linear value; values outside 0..=1 are clamped, not a number becomes 0.
     #[inline]
     pub fn encode(&self, value: f32) -> u8 {
-        let value = super::look::clamp_unit(value);
-        // At 2^23 the last bit of a number is worth 1: the low bits are the rounded value.
-        let cell = (value * GUESS_CELLS as f32 + 8_388_608.0).to_bits() as usize;
-        let guess = self.guess[cell % (2 * GUESS_CELLS)];
-        guess + u8::from(value >= self.thresholds[guess as usize])
+        self.encode_all([value])[0]
+    }
+
+    /// The same for several values.
+    // One index for several arrays: what the compiler turns into vector code.
+    #[allow(clippy::needless_range_loop)]
+    #[inline(always)]
+    pub fn encode_all<const N: usize>(&self, values: [f32; N]) -> [u8; N] {
+        let (mut clamped, mut cells, mut codes) = ([0.0; N], [0; N], [0; N]);
+        for k in 0..N {
+            clamped[k] = super::look::clamp_unit(values[k]);
+            // At 2^23 the last bit of a number is worth 1: the low bits are the rounded value.
+            cells[k] = (clamped[k] * GUESS_CELLS as f32 + 8_388_608.0).to_bits();
+        }
+        for k in 0..N {
+            let guess = self.guess[cells[k] as usize % (2 * GUESS_CELLS)];
+            codes[k] = guess + u8::from(clamped[k] >= self.thresholds[guess as usize]);
+        }
+        codes
     }
 }
 

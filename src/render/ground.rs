@@ -10,6 +10,10 @@ use glam::{DMat3, DVec3};
 const SINK_RADII: f64 = 4e-6;
 /// See [`SINK_RADII`]; the sum of both is far too small to be visible.
 const SINK_PIXELS: f64 = 1.0 / 64.0;
+/// Pixels from the middle of a grid line within which it covers any part of a pixel.
+const LINE_REACH: f64 = look::GRID_HALF_WIDTH as f64 + 0.5;
+/// More than the rounding of coordinates in f32, in pitches or radii.
+const ROUNDING: f64 = 1e-3;
 
 /// A plane through the pixels of one picture.
 ///
@@ -29,17 +33,6 @@ pub struct GroundView {
     pub distance: [f64; 3],
     /// Radii between grid lines; 0 for none.
     pitch: f64,
-}
-
-/// What a pixel shows of the ground.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GroundPoint {
-    /// Coordinates along the ground's axes in units of its radius.
-    pub at: [f32; 2],
-    /// Opacity of the ground, 0 at the radius and beyond.
-    pub fade: f32,
-    /// Cover by grid lines.
-    pub lines: f32,
 }
 
 /// The ground's axes in the world: columns are first, second and normal.
@@ -169,7 +162,7 @@ impl GroundView {
         w > 0.0 && u * u + v * v < w * w
     }
 
-    /// What pixels of one row with centres at `x` show.
+    /// Where pixels of one row with centres at `x` see the ground.
     // One index for several arrays: what the compiler turns into vector code.
     #[allow(clippy::needless_range_loop)]
     #[inline(always)]
@@ -177,35 +170,50 @@ impl GroundView {
         let mut row = GroundRow {
             seen: [false; N],
             at: [[0.0; N]; 2],
-            fade: [0.0; N],
-            lines: [0.0; N],
+            share: [0.0; N],
+            w: [0.0; N],
         };
-        let (mut w, mut u, mut v) = ([0.0; N], [0.0; N], [0.0; N]);
         for k in 0..N {
-            w[k] = form_value(&self.w, x[k], y);
-            u[k] = form_value(&self.u, x[k], y) / w[k];
-            v[k] = form_value(&self.v, x[k], y) / w[k];
+            row.w[k] = form_value(&self.w, x[k], y);
+            row.at[0][k] = form_value(&self.u, x[k], y) / row.w[k];
+            row.at[1][k] = form_value(&self.v, x[k], y) / row.w[k];
         }
         for k in 0..N {
-            let share = u[k] * u[k] + v[k] * v[k];
+            let [u, v] = [row.at[0][k], row.at[1][k]];
+            row.share[k] = u * u + v * v;
             // Not a number is not seen.
-            row.seen[k] = w[k] > 0.0 && share < 1.0;
-            row.at[0][k] = u[k] as f32;
-            row.at[1][k] = v[k] as f32;
-            row.fade[k] = look::ground_fade(share as f32);
-        }
-        if self.pitch > 0.0 {
-            let [across, along] = [self.lines(&self.u, u, w), self.lines(&self.v, v, w)];
-            row.lines = std::array::from_fn(|k| look::larger_of(across[k], along[k]));
+            row.seen[k] = row.w[k] > 0.0 && row.share[k] < 1.0;
         }
         row
+    }
+
+    /// Cover by grid lines of the pixels of a row.
+    #[inline(always)]
+    pub fn lines<const N: usize>(&self, row: &GroundRow<N>) -> [f32; N] {
+        if self.pitch <= 0.0 {
+            return [0.0; N];
+        }
+        let mut lines = self.lines_along(&self.u, &row.at[0], &row.w);
+        let others = self.lines_along(&self.v, &row.at[1], &row.w);
+        for (line, other) in lines.iter_mut().zip(others) {
+            *line = look::larger_of(*line, other);
+        }
+        lines
     }
 
     /// Cover by the grid lines at whole multiples of one coordinate, whose form and values are given.
     #[allow(clippy::needless_range_loop)]
     #[inline(always)]
-    fn lines<const N: usize>(&self, form: &[f64; 3], value: [f64; N], w: [f64; N]) -> [f32; N] {
+    fn lines_along<const N: usize>(
+        &self,
+        form: &[f64; 3],
+        value: &[f64; N],
+        w: &[f64; N],
+    ) -> [f32; N] {
         let mut lines = [0.0; N];
+        if self.is_between_lines(form, value, w) {
+            return lines;
+        }
         for k in 0..N {
             let step = |i: usize| ((form[i] - value[k] * self.w[i]) / w[k]).abs();
             let footprint = (step(0) + step(1)) / self.pitch;
@@ -213,30 +221,84 @@ impl GroundView {
         }
         lines
     }
+
+    /// Whether no pixel of a row can touch a grid line: along a row the coordinate has its extremes at the ends, and so
+    /// have both parts of the fraction that a pixel spans.
+    #[inline(always)]
+    fn is_between_lines<const N: usize>(
+        &self,
+        form: &[f64; 3],
+        value: &[f64; N],
+        w: &[f64; N],
+    ) -> bool {
+        let ends = [0, N - 1];
+        let least = w[0].min(w[N - 1]);
+        let most = |i: usize| {
+            let [a, b] = ends.map(|k| (form[i] - value[k] * self.w[i]).abs());
+            a.max(b)
+        };
+        let scale = 1.0 / self.pitch;
+        let footprint = (most(0) + most(1)) / least * scale;
+        let reach = footprint * (LINE_REACH * (1.0 + ROUNDING)) + ROUNDING;
+        let [a, b] = ends.map(|k| value[k] * scale);
+        // Not a number fails the comparison.
+        least > 0.0 && (a.min(b) - reach).ceil() > a.max(b) + reach
+    }
+
+    /// Least and greatest coordinates of the ground that pixels with centres from the first to the last `x` and `y` may
+    /// see; `None` if they see nothing of it.
+    pub fn reach(&self, x: [f64; 2], y: [f64; 2]) -> Option<[[f32; 2]; 2]> {
+        let corners = [[x[0], y[0]], [x[1], y[0]], [x[0], y[1]], [x[1], y[1]]];
+        let value = |form: &[f64; 3]| corners.map(|[x, y]| form_value(form, x, y));
+        let w = value(&self.w);
+        if w.iter().all(|w| *w <= 0.0) {
+            return None;
+        }
+        // Across the horizon it may be anywhere.
+        let is_below = w.iter().all(|w| *w > 0.0);
+        let range = |form: &[f64; 3]| {
+            let at = value(form).into_iter().zip(w).map(|(value, w)| value / w);
+            let low = at.clone().fold(1.0, f64::min) - ROUNDING;
+            let high = at.fold(-1.0, f64::max) + ROUNDING;
+            if is_below {
+                [low.max(-1.0), high.min(1.0)]
+            } else {
+                [-1.0, 1.0]
+            }
+        };
+        let [u, v] = [range(&self.u), range(&self.v)];
+        let is_met = u[0] <= u[1] && v[0] <= v[1];
+        is_met.then(|| [0, 1].map(|k| [u[k] as f32, v[k] as f32]))
+    }
 }
 
-/// What pixels of one row show of the ground.
+/// Where pixels of one row see the ground.
 #[derive(Clone, Copy, Debug)]
 pub struct GroundRow<const N: usize> {
-    /// Whether they see it; other values have a meaning only then, and are those of [`GroundPoint`].
+    /// Whether they see it; other values have a meaning only then.
     pub seen: [bool; N],
-    /// See [`GroundPoint::at`].
-    pub at: [[f32; N]; 2],
-    /// See [`GroundPoint::fade`].
-    pub fade: [f32; N],
-    /// See [`GroundPoint::lines`].
-    pub lines: [f32; N],
+    /// Coordinates along the ground's axes in units of its radius.
+    at: [[f64; N]; 2],
+    /// Squares of the distances from its middle, in the same units.
+    share: [f64; N],
+    w: [f64; N],
 }
 
 impl<const N: usize> GroundRow<N> {
-    /// What pixel `k` of them shows.
+    /// Coordinates of a pixel along the ground's axes in units of its radius.
     #[inline(always)]
-    pub fn point(&self, k: usize) -> Option<GroundPoint> {
-        self.seen[k].then(|| GroundPoint {
-            at: [self.at[0][k], self.at[1][k]],
-            fade: self.fade[k],
-            lines: self.lines[k],
-        })
+    pub fn at(&self, k: usize) -> [f32; 2] {
+        [self.at[0][k] as f32, self.at[1][k] as f32]
+    }
+
+    /// Opacities of the ground, 0 at the radius and beyond.
+    #[inline(always)]
+    pub fn fade(&self) -> [f32; N] {
+        let mut fade = [0.0; N];
+        for (fade, share) in fade.iter_mut().zip(self.share) {
+            *fade = look::ground_fade(share as f32);
+        }
+        fade
     }
 }
 
@@ -273,11 +335,12 @@ mod tests {
             let axes = ground_axes(&ground);
             let mut seen = 0;
             for (x, y) in [(160.5, 200.5), (10.0, 239.0), (300.0, 150.0)] {
-                let Some(point) = plane.row([x], y).point(0) else {
+                let row = plane.row([x], y);
+                if !row.seen[0] {
                     continue;
-                };
+                }
                 seen += 1;
-                let [u, v] = point.at.map(f64::from);
+                let [u, v] = row.at(0).map(f64::from);
                 let world = ground.centre + (axes.x_axis * u + axes.y_axis * v) * ground.radius
                     - axes.z_axis * ground_sink(&ground, &camera, size);
                 let [px, py, distance] = camera.project(world, size).unwrap();

@@ -53,26 +53,35 @@ impl LastFrame {
 
 fn change(before: &Instance, now: &Instance) -> Change {
     let [was, is] = [&before.triangles, &now.triangles];
-    // Every field but the triangles.
-    let same = before.mesh == now.mesh
-        && bits_of(&before.world_from_mesh) == bits_of(&now.world_from_mesh)
-        && before.colour == now.colour
-        && before.opacity.to_bits() == now.opacity.to_bits()
-        && before.casts_shadow == now.casts_shadow
-        && before.outline == now.outline
-        && before.flat.to_bits() == now.flat.to_bits();
-    match same && was.start == is.start {
+    match look_of(before) == look_of(now) && was.start == is.start {
         true if was.end == is.end => Change::Still,
         true if was.end < is.end => Change::Grown(was.end),
         _ => Change::Moved,
     }
 }
 
-/// Numbers that are equal need not have the same bits.
-fn bits_of(pose: &Pose) -> ([u64; 9], [u64; 3]) {
-    let rotation = pose.rotation.to_cols_array();
-    let translation = pose.translation.to_array();
-    (rotation.map(f64::to_bits), translation.map(f64::to_bits))
+/// All of an instance that decides on its pixels, besides the triangles. Every field is named, so that a new one cannot be
+/// forgotten.
+fn look_of(instance: &Instance) -> impl PartialEq + use<> {
+    let Instance {
+        mesh,
+        world_from_mesh: Pose {
+            rotation,
+            translation,
+        },
+        colour,
+        opacity,
+        triangles: _,
+        casts_shadow,
+        outline,
+        flat,
+    } = instance;
+    // Numbers that are equal need not have the same bits.
+    let rotation = rotation.to_cols_array().map(f64::to_bits);
+    let translation = translation.to_array().map(f64::to_bits);
+    let numbers = [opacity, flat].map(|number| number.to_bits());
+    let marks = (*mesh, *colour, *casts_shadow, *outline);
+    (rotation, translation, numbers, marks)
 }
 
 #[cfg(test)]

@@ -57,18 +57,21 @@ impl Screen {
                 shown: self.transparent,
                 change: PixelChange::Changed,
             }));
+            self.source.extend_from_slice(frame);
             PixelArea::whole(self.size)
         } else {
             let area = PixelArea::changed(&self.source, frame, width)?;
             let rows = area.rows(frame, width).zip(area.rows(&self.source, width));
+            let mut list = PixelList::new(&mut self.pixels);
             for ((new, old), shown) in rows.zip(area.rows(&self.shown, width)) {
-                push_row(&mut self.pixels, new, old, shown);
+                list.push_row(new, old, shown);
             }
-            measure_stretches(&mut self.pixels);
+            list.end_run();
+            // Above and below it the source is as it was.
+            let within = area.top * width..(area.top + area.height) * width;
+            self.source[within.clone()].copy_from_slice(&frame[within]);
             area
         };
-        self.source.clear();
-        self.source.extend_from_slice(frame);
         if let Some(nearest) = nearest {
             let own = area.rows(nearest, width).flatten();
             let changed = self.pixels.iter_mut().zip(own);
@@ -99,27 +102,56 @@ impl Screen {
     }
 }
 
-/// Appends a row of pixels with their relation to the previous frame.
-fn push_row(pixels: &mut Vec<Pixel>, new: &[[u8; 4]], old: &[[u8; 4]], shown: &[u8]) {
-    let mut at = 0;
-    while at < new.len() {
-        let same = same_at_start(&new[at..], &old[at..]);
-        let stretch = if same >= STRETCH { same } else { 0 };
-        pixels.resize(pixels.len() + stretch, Pixel::STRETCH);
-        at += stretch;
-        let end = (at + if stretch == 0 { same.max(1) } else { 0 }).min(new.len());
-        let change = if same == 0 {
-            PixelChange::Changed
-        } else {
-            PixelChange::Same
-        };
-        let some = new[at..end].iter().zip(&shown[at..end]);
-        pixels.extend(some.map(|(&wanted, &shown)| Pixel {
+/// Pixels with their relation to the previous frame, row by row.
+struct PixelList<'a> {
+    pixels: &'a mut Vec<Pixel>,
+    /// Pixels of a run that are still to be appended: it may go on in the next row.
+    run: usize,
+}
+
+impl<'a> PixelList<'a> {
+    fn new(pixels: &'a mut Vec<Pixel>) -> Self {
+        Self { pixels, run: 0 }
+    }
+
+    fn push_row(&mut self, new: &[[u8; 4]], old: &[[u8; 4]], shown: &[u8]) {
+        let mut at = 0;
+        while at < new.len() {
+            if new[at] != old[at] {
+                self.push(new[at], shown[at], PixelChange::Changed);
+                at += 1;
+                continue;
+            }
+            let same = same_at_start(&new[at..], &old[at..]);
+            if same >= STRETCH {
+                self.run += same;
+            } else {
+                for k in at..at + same {
+                    self.push(new[k], shown[k], PixelChange::Same);
+                }
+            }
+            at += same;
+        }
+    }
+
+    #[inline]
+    fn push(&mut self, wanted: [u8; 4], shown: u8, change: PixelChange) {
+        self.end_run();
+        self.pixels.push(Pixel {
             wanted,
             shown,
             change,
-        }));
-        at = end;
+        });
+    }
+
+    /// Appends the run, whose end is known now.
+    #[inline]
+    fn end_run(&mut self) {
+        if self.run > 0 {
+            let end = self.pixels.len() + self.run;
+            self.pixels.resize(end, Pixel::of_run_to(end));
+            self.run = 0;
+        }
     }
 }
 
@@ -136,19 +168,4 @@ fn same_at_start(new: &[[u8; 4]], old: &[[u8; 4]]) -> usize {
         .zip(&old[at..])
         .take_while(|(a, b)| a == b)
         .count()
-}
-
-/// Stores in every pixel of a run how many pixels remain, across the ends of rows.
-fn measure_stretches(pixels: &mut [Pixel]) {
-    let mut left = 0;
-    for pixel in pixels.iter_mut().rev() {
-        left = if pixel.change == PixelChange::Stretch {
-            left + 1
-        } else {
-            0
-        };
-        if left > 0 {
-            pixel.set_stretch_left(left);
-        }
-    }
 }

@@ -39,7 +39,7 @@ pub(super) enum PixelChange {
 #[derive(Clone, Copy, Debug)]
 #[repr(align(8))]
 pub(super) struct Pixel {
-    /// Red, green, blue, and the index of the nearest palette colour; inside a run, the number of pixels that remain.
+    /// Red, green, blue, and the index of the nearest palette colour; inside a run, where it ends.
     pub(super) wanted: [u8; 4],
     /// Index shown there now; the transparent index if nothing is.
     pub(super) shown: u8,
@@ -48,22 +48,18 @@ pub(super) struct Pixel {
 }
 
 impl Pixel {
-    /// The last pixel of a run.
-    pub(super) const STRETCH: Self = Self {
-        wanted: [1, 0, 0, 0],
-        shown: 0,
-        change: PixelChange::Stretch,
-    };
-
-    /// Stores in a pixel of a run how many pixels remain, including itself.
-    #[inline]
-    pub(super) fn set_stretch_left(&mut self, left: u32) {
-        self.wanted = left.to_le_bytes();
+    /// A pixel of a run that ends before the pixel number `end` of its list.
+    pub(super) fn of_run_to(end: usize) -> Self {
+        Self {
+            wanted: (end as u32).to_le_bytes(),
+            shown: 0,
+            change: PixelChange::Stretch,
+        }
     }
 
-    /// Pixels from this one to the end of its run.
+    /// Where the run of a pixel ends.
     #[inline]
-    pub(super) fn stretch_left(&self) -> usize {
+    pub(super) fn run_end(&self) -> usize {
         u32::from_le_bytes(self.wanted) as usize
     }
 }

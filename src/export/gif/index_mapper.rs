@@ -20,8 +20,8 @@ const AREA_ERROR: u64 = 100 * 10 * 10;
 const LARGE_ERROR: f64 = 5e5;
 const LARGE_ERROR_PIXELS: f64 = 640.0 * 480.0;
 
-/// Pixels compared at once: 64 bytes.
-const BLOCK: usize = 16;
+/// Pixels that are mapped again together, if any of them has changed or is missed.
+const PART: usize = 4;
 
 /// A colour met before, with its palette index and how many levels it is off.
 #[derive(Clone, Copy, Default)]
@@ -45,7 +45,7 @@ pub struct Mapper {
     missed_by: u64,
     /// Pixels of the last frame with their indices.
     last: Vec<[u8; 4]>,
-    /// Which of its blocks have no missed colour, so that they can be used again.
+    /// Which of its parts have no missed colour, so that they can be used again.
     reusable: Vec<bool>,
 }
 
@@ -96,18 +96,22 @@ impl Mapper {
             mapped.clear();
             mapped.resize(pixels.len(), [0; 4]);
             self.reusable.clear();
-            self.reusable.resize(pixels.len().div_ceil(BLOCK), false);
+            self.reusable.resize(pixels.len() / PART, false);
         }
-        let blocks = pixels.chunks(BLOCK).zip(mapped.chunks_mut(BLOCK));
-        for (index, (block, places)) in blocks.enumerate() {
-            if self.reusable[index] && same_colours(block, places) {
+        let (parts, rest) = pixels.as_chunks::<PART>();
+        let (places, last) = mapped.as_chunks_mut::<PART>();
+        for (index, (part, places)) in parts.iter().zip(places).enumerate() {
+            if self.reusable[index] && same_colours(part, places) {
                 continue;
             }
             let missed = self.missed.len();
-            for (pixel, place) in block.iter().zip(places) {
+            for (pixel, place) in part.iter().zip(places) {
                 *place = self.with_index(*pixel);
             }
             self.reusable[index] = self.missed.len() == missed;
+        }
+        for (pixel, place) in rest.iter().zip(last) {
+            *place = self.with_index(*pixel);
         }
         indexed.clear();
         indexed.extend_from_slice(mapped.as_flattened());
@@ -143,7 +147,7 @@ impl Mapper {
 
 /// Whether two lists of pixels differ in their last channels only.
 #[inline]
-fn same_colours(pixels: &[[u8; 4]], others: &[[u8; 4]]) -> bool {
+fn same_colours(pixels: &[[u8; 4]; PART], others: &[[u8; 4]; PART]) -> bool {
     let colour = |pixel: &[u8; 4]| u32::from_le_bytes(*pixel) & 0x00ff_ffff;
     let pairs = pixels.iter().zip(others);
     pairs.fold(0, |bits, (a, b)| bits | (colour(a) ^ colour(b))) == 0

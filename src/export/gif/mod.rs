@@ -172,7 +172,7 @@ impl GifSink {
         self.pending = self.table.unchanged_block();
         let codes = &mut self.pending.codes;
         let matcher = &mut self.table.matcher;
-        matcher.encode(&[Pixel::STRETCH], &mut self.sent, codes);
+        matcher.encode(&[Pixel::of_run_to(1)], &mut self.sent, codes);
     }
 
     /// A frame in the colours of the palette; `None` if nothing changes.

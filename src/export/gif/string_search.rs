@@ -20,45 +20,55 @@ struct Candidate {
     error: i32,
 }
 
+impl Candidate {
+    const NONE: Self = Self {
+        node: 0,
+        first: 0,
+        error: NEVER,
+    };
+
+    fn is_some(&self) -> bool {
+        self.error != NEVER
+    }
+}
+
 /// The cheapest candidates, cheapest first; of equals, those that came first.
 struct Beam {
     items: [Candidate; BEAM],
-    length: usize,
 }
 
 impl Beam {
-    fn new() -> Self {
-        let none = Candidate {
-            node: 0,
-            first: 0,
-            error: NEVER,
-        };
-        Self {
-            items: [none; BEAM],
-            length: 0,
-        }
+    const EMPTY: Self = Self {
+        items: [Candidate::NONE; BEAM],
+    };
+
+    #[inline]
+    fn clear(&mut self) {
+        self.items = Self::EMPTY.items;
     }
 
     #[inline]
-    fn items(&self) -> &[Candidate] {
-        &self.items[..self.length.min(BEAM)]
+    fn is_empty(&self) -> bool {
+        !self.items[0].is_some()
+    }
+
+    #[inline]
+    fn items(&self) -> impl Iterator<Item = &Candidate> {
+        self.items.iter().take_while(|item| item.is_some())
     }
 
     #[inline]
     fn push(&mut self, candidate: Candidate) {
-        if self.length >= BEAM {
-            if self.items[BEAM - 1].error <= candidate.error {
-                return;
-            }
-            self.length = BEAM - 1;
+        if self.items[BEAM - 1].error <= candidate.error {
+            return;
         }
-        let mut place = self.length;
+        // The last one leaves.
+        let mut place = BEAM - 1;
         while place > 0 && self.items[place - 1].error > candidate.error {
             self.items[place] = self.items[place - 1];
             place -= 1;
         }
         self.items[place] = candidate;
-        self.length += 1;
     }
 }
 
@@ -79,7 +89,7 @@ impl Matcher {
             costs: Costs::new(colours, transparent, loss.limit),
             transparent,
             price: loss.price,
-            beams: [Beam::new(), Beam::new()],
+            beams: [Beam::EMPTY; 2],
         }
     }
 
@@ -93,8 +103,8 @@ impl Matcher {
         bits.put(self.dictionary.clear_code(), self.dictionary.width());
         let mut at = 0;
         let mut last = None;
-        while let Some(rest) = pixels.get(at..).filter(|rest| !rest.is_empty()) {
-            let (found, length) = self.best_string(rest, last);
+        while at < pixels.len() {
+            let (found, length) = self.best_string(pixels, at, last);
             if let Some(last) = last {
                 self.dictionary.add(last, found.first);
             }
@@ -120,8 +130,13 @@ impl Matcher {
         bits.finish();
     }
 
-    /// The string to send for the start of `pixels`, and its length; `last` is the string sent before.
-    fn best_string(&mut self, pixels: &[Pixel], last: Option<u16>) -> (Candidate, usize) {
+    /// The string to send for the pixels from number `at` on, and its length; `last` is the string sent before.
+    fn best_string(
+        &mut self,
+        pixels: &[Pixel],
+        at: usize,
+        last: Option<u16>,
+    ) -> (Candidate, usize) {
         let Self {
             dictionary,
             costs,
@@ -136,22 +151,29 @@ impl Matcher {
             transparent: self.transparent,
             last,
         };
-        let mut covered = step.start(pixels, front);
+        let mut covered = step.start(pixels, at, front);
         let mut best = (front.items[0], covered);
-        while let Some(pixel) = pixels.get(covered) {
-            back.length = 0;
-            // All continuations that the dictionary has and the pixel allows.
-            match pixel.change {
-                PixelChange::Stretch => step.stretch_strings(front, back),
-                _ if covered == 1 => step.second_pixel(pixel, front, back),
-                PixelChange::Same => step.unchanged_pixel(pixel.shown, front, back),
-                PixelChange::Changed => step.changed_pixel(pixel, front, back),
+        while let Some(pixel) = pixels.get(at + covered) {
+            let followed = match pixel.change {
+                PixelChange::Stretch => step.follow_run(front, pixel.run_end() - at - covered),
+                _ => 0,
+            };
+            covered += followed;
+            if followed == 0 {
+                back.clear();
+                // All continuations that the dictionary has and the pixel allows.
+                match pixel.change {
+                    PixelChange::Stretch => step.stretch_strings(front, back),
+                    _ if covered == 1 => step.second_pixel(pixel, front, back),
+                    PixelChange::Same => step.unchanged_pixel(pixel.shown, front, back),
+                    PixelChange::Changed => step.changed_pixel(pixel, front, back),
+                }
+                if back.is_empty() {
+                    break;
+                }
+                std::mem::swap(&mut front, &mut back);
+                covered += 1;
             }
-            if back.length == 0 {
-                break;
-            }
-            std::mem::swap(&mut front, &mut back);
-            covered += 1;
             // A longer string is taken if its further error is worth the pixels that it covers.
             let candidate = front.items[0];
             let gain = (covered - best.1) as i32;
@@ -173,14 +195,14 @@ struct BeamStep<'a> {
 
 impl BeamStep<'_> {
     /// Puts the initial strings into `front`, at least one, and returns how many pixels they cover.
-    fn start(&self, pixels: &[Pixel], front: &mut Beam) -> usize {
-        front.length = 0;
-        let Some(pixel) = pixels.first() else {
+    fn start(&self, pixels: &[Pixel], at: usize, front: &mut Beam) -> usize {
+        front.clear();
+        let Some(pixel) = pixels.get(at) else {
             return 0;
         };
         if pixel.change == PixelChange::Stretch {
             // Only the transparent index fits: as many as the dictionary has in one string.
-            let (node, length) = self.dictionary.run(pixel.stretch_left());
+            let (node, length) = self.dictionary.run(pixel.run_end() - at);
             front.push(Candidate {
                 node,
                 first: self.transparent,
@@ -210,6 +232,25 @@ impl BeamStep<'_> {
                 }
             }
         });
+    }
+
+    /// Extends all strings by pixels of a run, `most` at most, as long as the dictionary has each of them; returns by how
+    /// many. The errors are as before: which string is taken need be decided only at the end.
+    #[inline]
+    fn follow_run(&self, front: &mut Beam, most: usize) -> usize {
+        let mut followed = 0;
+        while followed < most {
+            let next = front.items.map(|item| self.dictionary.run_child(item.node));
+            let mut ends = front.items.iter().zip(next);
+            if ends.any(|(item, next)| item.is_some() && next == NONE) {
+                break;
+            }
+            for (item, next) in front.items.iter_mut().zip(next) {
+                item.node = next;
+            }
+            followed += 1;
+        }
+        followed
     }
 
     /// A pixel in a run: the transparent index.

@@ -7,6 +7,7 @@ mod tiles;
 use super::clip::{ClipCorner, clip_triangle};
 use super::lens::{Lens, LensVertex, OUTSIDE};
 use super::mask::PixelMask;
+use super::rasterise::DIRECT_REACH;
 use super::samples::SamplePattern;
 use super::window::{Window, line_apron, pitch};
 use crate::render::colour::ToneCurve;
@@ -19,6 +20,8 @@ pub(super) use tile_bin::TileBin;
 
 /// Set in [`Facet::instance`] when the back of the triangle is seen.
 const BACK: u32 = 1 << 31;
+/// Set there when a side of the triangle is longer than [`DIRECT_REACH`] along an axis.
+const LONG: u32 = 1 << 30;
 
 /// A visible triangle, its corners counter-clockwise on the screen.
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,7 +39,7 @@ pub(super) struct Facet {
 impl Facet {
     #[inline(always)]
     pub(super) fn instance(&self) -> usize {
-        (self.instance & !BACK) as usize
+        (self.instance & !(BACK | LONG)) as usize
     }
 
     /// The pixels in which it can have a sample.
@@ -46,6 +49,12 @@ impl Facet {
             x: self.columns.map(i32::from),
             y: self.rows.map(i32::from),
         }
+    }
+
+    /// Whether all sides are shorter than [`DIRECT_REACH`] along both axes.
+    #[inline(always)]
+    pub(super) fn is_short(&self) -> bool {
+        self.instance & LONG == 0
     }
 
     /// The sign of normals on the visible side.
@@ -319,10 +328,11 @@ impl TriangleAssembly {
         if x0 > x1 || y0 > y1 {
             return;
         }
+        let is_short = right - left < DIRECT_REACH && bottom - top < DIRECT_REACH;
         // A back side is stored with two corners exchanged, so that all facets run the same way.
         let number = self.store(Facet {
             corners: if front { [i, j, k] } else { [i, k, j] },
-            instance: index as u32 | if front { 0 } else { BACK },
+            instance: index as u32 | if front { 0 } else { BACK } | if is_short { 0 } else { LONG },
             surface,
             columns: [x0, x1].map(|x| x as u16),
             rows: [y0, y1].map(|y| y as u16),

@@ -58,8 +58,8 @@ pub(super) fn by_blocks<const G: usize>(
         size /= 2;
     }
     let block = |at: i32, origin: i32| (at - origin) / size;
-    for row in block(area.y[0], window.y[0])..=block(area.y[1], window.y[0]) {
-        for column in block(area.x[0], window.x[0])..=block(area.x[1], window.x[0]) {
+    for row in block(area.y[0], window.y[0])..block(area.y[1], window.y[0]) + 1 {
+        for column in block(area.x[0], window.x[0])..block(area.x[1], window.x[0]) + 1 {
             let corner = [window.x[0] + column * size, window.y[0] + row * size];
             let part = Window {
                 x: [corner[0], area.x[1].min(corner[0] + size - 1)],
@@ -125,34 +125,37 @@ fn in_block<const G: usize>(
         step,
         last: (cells.x[1] - cells.x[0]) as f32,
     };
-    for first in (cells.y[0]..=cells.y[1]).step_by(ROWS) {
-        let ranges = rows.ranges((first - cells.y[0]) * SUBPIXELS);
-        for (row, [from, to]) in (first..=cells.y[1]).zip(ranges) {
-            let columns = [from, to].map(|k| (cells.x[0] + k) << pattern.cell_bits);
-            let end = columns[1] + (1 << pattern.cell_bits) - 1;
-            if from > to || !needed.has_any(row, [columns[0], end]) {
-                continue;
-            }
-            let down = (row - cells.y[0]) * SUBPIXELS;
-            let start = crossing.map(|side| side.start.saturating_add(side.y * down));
-            let edges = EdgeFunctions {
-                at: std::array::from_fn(|k| {
-                    let start = i32x4::splat(start[k].wrapping_add(step[k] * from));
-                    std::array::from_fn(|g| i32x4::from(offsets[k][g]) + start)
-                }),
-                step_x: step.map(i32x4::splat),
-                step_y: [i32x4::splat(0); 3],
-            };
-            let part = RasterCells {
-                x: [cells.x[0] + from, cells.x[0] + to],
-                y: [row, row],
-            };
-            let origin = [
-                corner[0] + (from << pattern.cell_bits),
-                corner[1] + row - cells.y[0],
-            ];
-            scan_triangle(edges, &part, plane, origin, lanes, visit);
+    let mut ranges = [[1, 0]; ROWS];
+    for row in cells.y[0]..cells.y[1] + 1 {
+        let k = (row - cells.y[0]) as usize % ROWS;
+        if k == 0 {
+            ranges = rows.ranges((row - cells.y[0]) * SUBPIXELS);
         }
+        let [from, to] = ranges[k];
+        let columns = [from, to].map(|k| (cells.x[0] + k) << pattern.cell_bits);
+        let end = columns[1] + (1 << pattern.cell_bits) - 1;
+        if from > to || !needed.has_any(row, [columns[0], end]) {
+            continue;
+        }
+        let down = (row - cells.y[0]) * SUBPIXELS;
+        let start = crossing.map(|side| side.start.saturating_add(side.y * down));
+        let edges = EdgeFunctions {
+            at: std::array::from_fn(|k| {
+                let start = i32x4::splat(start[k].wrapping_add(step[k] * from));
+                std::array::from_fn(|g| i32x4::from(offsets[k][g]) + start)
+            }),
+            step_x: step.map(i32x4::splat),
+            step_y: [i32x4::splat(0); 3],
+        };
+        let part = RasterCells {
+            x: [cells.x[0] + from, cells.x[0] + to],
+            y: [row, row],
+        };
+        let origin = [
+            corner[0] + (from << pattern.cell_bits),
+            corner[1] + row - cells.y[0],
+        ];
+        scan_triangle(edges, &part, plane, origin, lanes, visit);
     }
 }
 

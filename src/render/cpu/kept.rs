@@ -76,13 +76,18 @@ impl KeptTiles {
     pub(super) fn changed(&self, view: &RasterView, tile: usize, inner: &Window) -> [TilePart; 2] {
         let window = view.assembly.with_apron(view.assembly.window(tile));
         let part = |pixels| TilePart { window, pixels };
-        let all = PixelMask::of(window.corner(), inner);
         let kept = self.tiles.get(tile).filter(|_| self.is_alike);
         let Some(kept) = kept else {
+            let all = PixelMask::of(window.corner(), inner);
             return [all, PixelMask::NONE].map(part);
         };
-        // Lines reach beyond the surfaces that they follow.
+        // Most tiles are as they were.
         let changed = &view.assembly.bins[tile].changed;
+        if changed.is_empty() && !self.is_shaded_anew(view, tile) {
+            return [PixelMask::NONE; 2].map(part);
+        }
+        // Lines reach beyond the surfaces that they follow.
+        let all = PixelMask::of(window.corner(), inner);
         let changed = changed.grown(view.assembly.apron).and(&all);
         let rest = part(kept.seen_backdrop.and(&all).without(&changed));
         let shaded = self.shaded(view, tile, &rest);
@@ -105,15 +110,20 @@ impl KeptTiles {
         }
     }
 
-    /// The pixels of a part of a tile whose shadow may be another than in the last frame.
-    fn shaded(&self, view: &RasterView, tile: usize, part: &TilePart) -> PixelMask {
-        let mut shaded = PixelMask::NONE;
+    /// Whether the shadow of any pixel of a tile may be another than in the last frame.
+    fn is_shaded_anew(&self, view: &RasterView, tile: usize) -> bool {
         let (Some(_), Some([low, high])) = (view.shadow, view.backdrop.texels(tile)) else {
-            return shaded;
+            return false;
         };
         let columns = (1 << high[0]) | ((1 << high[0]) - (1 << low[0]));
         let rows = self.changed.get(low[1]..=high[1]).unwrap_or(&[]);
-        if rows.iter().any(|row| row & columns != 0) {
+        rows.iter().any(|row| row & columns != 0)
+    }
+
+    /// The pixels of a part of a tile whose shadow may be another than in the last frame.
+    fn shaded(&self, view: &RasterView, tile: usize, part: &TilePart) -> PixelMask {
+        let mut shaded = PixelMask::NONE;
+        if self.is_shaded_anew(view, tile) {
             part.for_each(|pixel, x, y| {
                 let [column, row] = view.backdrop.texel(x as usize, y as usize);
                 if self.changed[row] >> column & 1 != 0 {

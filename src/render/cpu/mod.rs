@@ -211,6 +211,7 @@ impl Renderer for CpuRenderer {
         let seen = self.backdrop.view.is_some();
         let caster = self.caster.as_mut().filter(|_| seen);
         let shadow = caster.map(|caster| caster.cast(frame, &self.camera));
+        self.backdrop.lay_spots(shadow);
         if let Some(shade) = &mut self.shade {
             shade.cast(frame, &self.camera);
         }
@@ -300,11 +301,16 @@ fn draw_tiles<const G: usize>(
         let mut inner = view.assembly.window(number);
         inner.y = [inner.y[0].max(first), inner.y[1].min(last)];
         let [changed, shaded] = kept.changed(view, number, &inner);
+        let is_shaded = view.backdrop.shaded(number, view.shadow);
+        let view = RasterView {
+            shadow: view.shadow.filter(|_| is_shaded),
+            ..*view
+        };
         if !changed.pixels.is_empty() {
-            tile.draw(view, number, &changed, (bytes, first, stride));
+            tile.draw(&view, number, &changed, (bytes, first, stride));
             kept.renew(number, &changed, tile.seen_backdrop, tile.bare);
         }
-        fill_background(view, &shaded, (bytes, first, stride));
+        fill_background(&view, &shaded, (bytes, first, stride));
     }
 }
 

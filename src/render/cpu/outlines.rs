@@ -98,17 +98,27 @@ impl OutlineFinder {
         assembly: &TriangleAssembly,
         layers: &Layers<G>,
     ) {
+        let mut known = (NOTHING, BACKDROP);
         for pixel in (0..AREA).filter(|pixel| layers.touch(*pixel)) {
-            let first = pixel * self.samples;
             // Vector by vector, of which a pixel may have several, or a part of one.
-            for sample in (first..first + self.samples).step_by(LANES) {
+            let (mut sample, end) = (pixel * self.samples, (pixel + 1) * self.samples);
+            while sample < end {
                 let (facets, depths) = layers.nearest(pixel, sample / LANES % G);
-                for k in sample..(sample + LANES).min(first + self.samples) {
-                    if facets[k % LANES] != NOTHING {
-                        self.surface[k] = assembly.surface(facets[k % LANES]);
-                        self.depth[k] = depths[k % LANES];
+                let own = sample..(sample / LANES * LANES + LANES).min(end);
+                let surfaces = self.surface[own.clone()].iter_mut();
+                let lanes = surfaces.zip(&mut self.depth[own.clone()]);
+                let start = sample % LANES;
+                let nearest = facets[start..].iter().zip(&depths[start..]);
+                for ((surface, depth), (facet, nearness)) in lanes.zip(nearest) {
+                    if *facet == NOTHING {
+                        continue;
                     }
+                    if *facet != known.0 {
+                        known = (*facet, assembly.surface(*facet));
+                    }
+                    (*surface, *depth) = (known.1, *nearness);
                 }
+                sample = own.end;
             }
         }
     }
@@ -230,8 +240,8 @@ impl OutlineFinder {
     fn is_calm(&self, window: Window, pixel: usize, y: i32, own: u32) -> bool {
         let up = (y - window.y[0]).min(self.reach) as usize;
         let down = (window.y[1] - y).min(self.reach) as usize;
-        let column = (pixel - up * TILE..=pixel + down * TILE).step_by(TILE);
-        own != MIXED && column.into_iter().all(|p| self.steady[p] == own)
+        let column = &self.steady[pixel - up * TILE..pixel + down * TILE + 1];
+        own != MIXED && column.chunks(TILE).all(|row| row[0] == own)
     }
 
     /// Samples near to another surface.

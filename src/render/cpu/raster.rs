@@ -48,11 +48,7 @@ impl Plane {
     #[inline(always)]
     pub(super) fn offsets<const G: usize>(&self, pattern: &SamplePattern<G>) -> [f32x4; G] {
         std::array::from_fn(|g| {
-            let (x, y) = (
-                pattern.x[g].map(|v| v as f32),
-                pattern.y[g].map(|v| v as f32),
-            );
-            f32x4::from(x) * f32x4::splat(self.x) + f32x4::from(y) * f32x4::splat(self.y)
+            pattern.places_x[g] * f32x4::splat(self.x) + pattern.places_y[g] * f32x4::splat(self.y)
         })
     }
 }
@@ -109,19 +105,20 @@ pub(super) fn scan_triangle<const G: usize>(
     let step = plane.x * (SUBPIXELS << pattern.cell_bits) as f32;
     let columns = TILE as i32 >> pattern.cell_bits;
     // The edge functions are affine: from cell to cell and row to row they grow by constant steps.
-    for row in cells.y[0]..=cells.y[1] {
+    // Half-open ranges: loops over closed ones have another branch.
+    for row in cells.y[0]..cells.y[1] + 1 {
         let mut at = edges.at;
         let start = plane.at(origin[0], origin[1] + row - cells.y[0]);
         let mut along = 0.0;
-        for column in cells.x[0]..=cells.x[1] {
+        for cell in row * columns + cells.x[0]..row * columns + cells.x[1] + 1 {
             for g in 0..G {
-                // Outside is where any of the three is negative: the sign bit of their union, spread over the lane.
+                // Outside is where any of the three is negative: the sign bit of their union.
                 let outside: i32x4 = at[0][g] | at[1][g] | at[2][g];
-                let outside = f32x4::from_bits((outside >> 31u32).cast_unsigned());
-                if outside.to_bitmask() != 0b1111 {
+                if f32x4::from_bits(outside.cast_unsigned()).to_bitmask() != 0b1111 {
+                    let outside = f32x4::from_bits((outside >> 31u32).cast_unsigned());
                     // Depths are computed from the column, not summed up, so that rounding does not grow.
                     let depth = f32x4::splat(start + step * along) + offsets[g];
-                    visit((row * columns + column) as usize, g, !outside, depth);
+                    visit(cell as usize, g, !outside, depth);
                 }
                 for k in 0..3 {
                     at[k][g] += edges.step_x[k];

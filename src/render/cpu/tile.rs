@@ -6,13 +6,12 @@ use super::mask::{PixelMask, TilePart};
 use super::outlines::OutlineFinder;
 use super::rasterise::rasterise_block;
 use super::samples::{LANES, SUBPIXELS, SamplePattern};
-use super::shading::{ShadingBatch, normal_at};
+use super::shading::{Receive, ShadingBatch};
 use super::translucent::Layers;
 use super::view::RasterView;
 use super::window::{AREA, TILE, Window};
 use crate::render::Stage;
 use crate::render::colour::ToneCurve;
-use crate::render::look::ALL_OPEN;
 use wide::{f32x4, i32x4};
 
 /// Marks a pixel without any facet.
@@ -127,22 +126,18 @@ impl<const G: usize> TileSamples<G> {
         (bytes, first, stride): (&mut [u8], i32, usize),
     ) {
         let bin = &view.assembly.bins[number];
-        let shadow = view
-            .shadow
-            .filter(|_| view.backdrop.shaded(number, view.shadow));
-        let view = RasterView { shadow, ..*view };
         self.seen_backdrop = part.pixels;
         self.bare = part.pixels;
         // A tile without triangles is background.
         if bin.is_empty() {
-            fill_background(&view, part, (bytes, first, stride));
+            fill_background(view, part, (bytes, first, stride));
             return;
         }
         // What the lines of these pixels depend on.
         let needed = part.pixels.grown(view.assembly.apron);
         // Depth and facet of every sample, then lines, then translucent layers over them.
-        self.clear(&view, part.window, &needed);
-        self.cover_bin(&view, bin, part.window, &needed);
+        self.clear(view, part.window, &needed);
+        self.cover_bin(view, bin, part.window, &needed);
         if let Some(outlines) = &mut self.outlines {
             outlines.read(view.assembly, &self.cells, &needed);
             outlines.find(view.lens, part, false);
@@ -151,15 +146,15 @@ impl<const G: usize> TileSamples<G> {
         if translucent {
             let cells = &self.cells;
             self.layers
-                .collect(&view, bin, (part.window, &needed), &self.pattern, cells);
+                .collect(view, bin, (part.window, &needed), &self.pattern, cells);
         }
         // Colours: opaque surfaces, lines, layers, and the encoded bytes.
-        self.light(&view, part, translucent);
-        self.ink(&view, part);
+        self.light(view, part, translucent);
+        self.ink(view, part);
         if translucent {
-            self.blend_layers(&view, part);
+            self.blend_layers(view, part);
         }
-        self.write(&view, part, (bytes, first, stride));
+        self.write(view, part, (bytes, first, stride));
     }
 
     fn ink(&mut self, view: &RasterView, part: &TilePart) {
@@ -195,6 +190,14 @@ impl<const G: usize> TileSamples<G> {
             return;
         };
         let samples = self.pattern.samples;
+        let places = |places: &[[i32; LANES]; G]| {
+            let mut offsets = [0.0; MOST_SAMPLES];
+            for (offset, place) in offsets.iter_mut().zip(places.as_flattened()) {
+                *offset = f64::from(*place) / f64::from(SUBPIXELS);
+            }
+            offsets
+        };
+        let offsets = [places(&self.pattern.x), places(&self.pattern.y)];
         // The ground hides what is below it: its depth is the first in every sample.
         let [right, down, start] = ground.nearness(view.lens.perspective);
         let part = TilePart {
@@ -206,15 +209,11 @@ impl<const G: usize> TileSamples<G> {
             if !ground.is_seen(x + 0.5, y + 0.5) {
                 return;
             }
-            for s in 0..samples {
-                let place = |p: f64, offset: &[[i32; LANES]; G]| {
-                    p + f64::from(offset.as_flattened()[s]) / f64::from(SUBPIXELS)
-                };
-                let (x, y) = (place(x, &self.pattern.x), place(y, &self.pattern.y));
-                let lane = pixel * samples + s;
-                let cell = &mut self.cells[lane / (LANES * G)];
-                cell.depth.as_flattened_mut()[lane % (LANES * G)] =
-                    (right * x + down * y + start) as f32;
+            let lane = pixel * samples;
+            let cell = &mut self.cells[lane / (LANES * G)];
+            let own = &mut cell.depth.as_flattened_mut()[lane % (LANES * G)..][..samples];
+            for ((depth, along), below) in own.iter_mut().zip(offsets[0]).zip(offsets[1]) {
+                *depth = (right * (x + along) + down * (y + below) + start) as f32;
             }
         });
     }
@@ -238,11 +237,11 @@ impl<const G: usize> TileSamples<G> {
             if !needed.meets(window.corner(), &facet.pixels()) {
                 continue;
             }
-            let corners = view.assembly.corners(&facet.corners);
             let own = i32x4::splat(*number as i32);
             let cells = self.cells.as_mut_slice();
             rasterise_block(
-                corners,
+                view.assembly,
+                facet,
                 (&window, needed),
                 &self.pattern,
                 |cell, g, covered, new| {
@@ -274,26 +273,34 @@ impl<const G: usize> TileSamples<G> {
 
     #[inline(never)]
     fn light_samples<const S: usize>(&mut self, view: &RasterView, part: &TilePart, layers: bool) {
-        let cells = self.cells.as_slice();
-        let colour = self.colour.as_mut_slice();
-        self.seen_backdrop = PixelMask::NONE;
+        let Self {
+            cells,
+            colour,
+            batch,
+            layers: over,
+            seen_backdrop,
+            ..
+        } = self;
+        let cells = cells.as_slice();
+        let is_touched = |pixel: usize| layers && over.touch(pixel);
+        *seen_backdrop = PixelMask::NONE;
         part.for_each(|pixel, x, y| {
             let own = &facets_of::<S, G>(cells, pixel);
             let first = own[0];
             if own.contains(&NOTHING) {
-                self.seen_backdrop.insert(pixel);
+                seen_backdrop.insert(pixel);
             }
-            if *own == [NOTHING; S] && !(layers && self.layers.touch(pixel)) {
+            if *own == [NOTHING; S] && !is_touched(pixel) {
                 colour[pixel] = BARE;
                 return;
             }
             colour[pixel] = [0.0; 3];
-            if layers && self.layers.touch(pixel) {
+            if is_touched(pixel) {
                 return;
             }
             // Most pixels show one surface: one evaluation of the light.
             if one_surface(view.assembly, own) {
-                self.batch.add(view, first, x, y, 1.0, pixel, colour);
+                batch.add(view, first, [x, y], (1.0, pixel), &mut add_to(colour));
                 return;
             }
             let mut seen = SeenFacets::of(own);
@@ -306,11 +313,11 @@ impl<const G: usize> TileSamples<G> {
                 colour[pixel] = rgb.map(|c| c * weight(*count));
             }
             for (facet, count) in seen.iter().filter(|(facet, _)| *facet != NOTHING) {
-                let weight = weight(*count);
-                self.batch.add(view, *facet, x, y, weight, pixel, colour);
+                let item = (weight(*count), pixel);
+                batch.add(view, *facet, [x, y], item, &mut add_to(colour));
             }
         });
-        self.batch.flush(&view.around, colour);
+        self.batch.flush(view, &mut add_to(&mut self.colour));
     }
 
     #[inline(never)]
@@ -343,66 +350,18 @@ impl<const G: usize> TileSamples<G> {
     }
 }
 
-impl ShadingBatch {
-    /// Adds a facet in a pixel, lighting the batch when it is full. Returns its normal and the direction of the viewer; neither has
-    /// length 1.
-    #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
-    pub(super) fn add(
-        &mut self,
-        view: &RasterView,
-        number: i32,
-        x: i32,
-        y: i32,
-        weight: f32,
-        pixel: usize,
-        colour: &mut [[f32; 3]],
-    ) -> [[f32; 3]; 2] {
-        let facet = &view.assembly.facets[number as usize];
-        let paint = &view.assembly.paints[facet.instance()];
-        // Interpolated between the corners, at the centre of the pixel.
-        let (normal, nearness) = normal_at(view.assembly, facet, view.lens, x, y);
-        let at = [x as f32 + 0.5, y as f32 + 0.5];
-        let to_viewer = view.lens.viewer_from(at[0], at[1]);
-        // How much of the light reaches this place; wholly flat colours need none.
-        let open = match view.shade {
-            Some(shade) if paint.flat < 1.0 => {
-                let place = view.lens.place(at[0], at[1], nearness);
-                shade.on(at, place, normal)
-            }
-            _ => ALL_OPEN,
-        };
-        // It waits in the batch, which is lit all at once.
-        self.push(
-            [normal, to_viewer],
-            paint.albedo,
-            paint.flat,
-            open,
-            weight,
-            pixel as u32,
-        );
-        if self.is_full() {
-            self.flush(&view.around, colour);
-        }
-        [normal, to_viewer]
+/// Adds lit surfaces to their pixels.
+fn add_to(pixels: &mut [[f32; 3]]) -> impl Receive {
+    |pixel, [r, g, b, _]| {
+        let own = &mut pixels[pixel];
+        *own = [own[0] + r, own[1] + g, own[2] + b];
     }
 }
 
 #[inline(always)]
 fn bare_pixel(view: &RasterView, x: usize, y: usize) -> [u8; 4] {
-    if view.shadow.is_some() {
-        let (rgb, changed) = view.backdrop.linear(x, y, view.shadow);
-        if changed {
-            let curve = ToneCurve::shared();
-            return [
-                curve.encode(rgb[0]),
-                curve.encode(rgb[1]),
-                curve.encode(rgb[2]),
-                255,
-            ];
-        }
-    }
-    view.backdrop.codes(x, y, 1)[0]
+    let shaded = view.backdrop.shaded_code(x, y, view.shadow);
+    shaded.unwrap_or_else(|| view.backdrop.codes(x, y, 1)[0])
 }
 
 /// Draws bare pixels of a tile. `bytes` are the picture's from its row `first` on, `stride` bytes a row.
@@ -417,12 +376,13 @@ pub(super) fn fill_background(
             return;
         };
         let (x, y) = (x as usize, y as usize);
+        row.copy_from_slice(view.backdrop.codes(x, y, count).as_flattened());
         if view.shadow.is_some() {
             for (k, target) in row.as_chunks_mut::<4>().0.iter_mut().enumerate() {
-                *target = bare_pixel(view, x + k, y);
+                if let Some(code) = view.backdrop.shaded_code(x + k, y, view.shadow) {
+                    *target = code;
+                }
             }
-        } else {
-            row.copy_from_slice(view.backdrop.codes(x, y, count).as_flattened());
         }
     });
 }

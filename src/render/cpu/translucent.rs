@@ -8,7 +8,7 @@ use super::cell::{NOTHING, PixelCell};
 use super::mask::{PixelMask, TilePart};
 use super::rasterise::rasterise_block;
 use super::samples::{LANES, SamplePattern};
-use super::shading::{ShadingBatch, unit_vector};
+use super::shading::ShadingBatch;
 use super::view::RasterView;
 use super::window::{AREA, TILE, Window};
 use crate::render::look::{self, Rgb};
@@ -28,7 +28,6 @@ const UNCOVERED: f32 = f32::NEG_INFINITY;
 struct Layer<const G: usize> {
     facet: i32,
     pixel: u32,
-    opacity: f32,
     /// The one before it in its pixel.
     before: u32,
     /// Nearness at the samples of its cell, and the facet there.
@@ -57,8 +56,8 @@ pub(super) struct Layers<const G: usize> {
     under: Vec<(i32, u32)>,
     /// The one of them behind each sample.
     behind: Vec<u32>,
-    /// Linear colours of the layers, then of the opaque surfaces.
-    colours: Vec<Rgb>,
+    /// Linear colours and opacities of the layers, then of the opaque surfaces.
+    colours: Vec<[f32; 4]>,
     /// Layers of a pixel with their nearness, from the farthest to the nearest.
     order: Vec<(f32, u32)>,
 }
@@ -106,11 +105,10 @@ impl<const G: usize> Layers<G> {
             if !needed.meets(window.corner(), &facet.pixels()) {
                 continue;
             }
-            let opacity = view.assembly.paints[facet.instance()].opacity;
-            let corners = view.assembly.corners(&facet.corners);
-            let drawn = (*number as i32, opacity);
+            let drawn = *number as i32;
             rasterise_block(
-                corners,
+                view.assembly,
+                facet,
                 (&window, needed),
                 pattern,
                 |cell, g, covered, new| {
@@ -142,11 +140,11 @@ impl<const G: usize> Layers<G> {
     fn cover(
         &mut self,
         assembly: &TriangleAssembly,
-        (facet, opacity): (i32, f32),
+        facet: i32,
         pixel: usize,
         (g, lanes, depth): (usize, f32x4, f32x4),
     ) {
-        let at = self.layer_of(assembly, (facet, opacity), pixel as u32, (g, lanes));
+        let at = self.layer_of(assembly, facet, pixel as u32, (g, lanes));
         let layer = &mut self.layers[at as usize];
         let mask = lanes.to_bits().cast_signed();
         layer.depth[g] = lanes
@@ -161,7 +159,7 @@ impl<const G: usize> Layers<G> {
     fn layer_of(
         &mut self,
         assembly: &TriangleAssembly,
-        (facet, opacity): (i32, f32),
+        facet: i32,
         pixel: u32,
         (g, lanes): (usize, f32x4),
     ) -> u32 {
@@ -178,7 +176,6 @@ impl<const G: usize> Layers<G> {
             self.layers.push(Layer {
                 facet,
                 pixel,
-                opacity,
                 before: std::mem::replace(&mut self.latest[pixel as usize], new),
                 depth: [[UNCOVERED; LANES]; G],
                 facets: [[NOTHING; LANES]; G],
@@ -222,8 +219,14 @@ impl<const G: usize> Layers<G> {
         self.behind.resize(AREA * S, NONE);
         part.for_each(|pixel, _, _| {
             if self.touch(pixel) {
-                let first = self.under.len();
-                for (sample, facet) in facets(pixel).into_iter().enumerate() {
+                let (first, facets) = (self.under.len(), facets(pixel));
+                let behind = &mut self.behind[pixel * S..][..S];
+                if facets == [facets[0]; S] {
+                    self.under.push((facets[0], pixel as u32));
+                    behind.fill(first as u32);
+                    return;
+                }
+                for (behind, facet) in behind.iter_mut().zip(facets) {
                     let mut own = self.under[first..].iter();
                     let known = own.position(|(known, _)| {
                         *known == facet || is_one_side(assembly, *known, facet)
@@ -232,7 +235,7 @@ impl<const G: usize> Layers<G> {
                     if at == self.under.len() {
                         self.under.push((facet, pixel as u32));
                     }
-                    self.behind[pixel * S + sample] = at as u32;
+                    *behind = at as u32;
                 }
             }
         });
@@ -261,13 +264,26 @@ impl<const G: usize> Layers<G> {
             // The mean over the samples, each blended from the back to the front.
             for first in (0..samples).step_by(LANES) {
                 let sample = pixel * samples + first;
-                let seen = self.blended(sample / LANES * LANES, |sample| {
-                    let is_own = !is_shared || sample / samples == pixel;
-                    let behind = if is_own { self.behind[sample] } else { NONE };
-                    let under = self.layers.len() + behind as usize;
-                    let rgb = self.colours.get(under).copied().unwrap_or_default();
-                    inked(pixel, rgb)
+                let start = sample / LANES * LANES;
+                let behind: [u32; LANES] = std::array::from_fn(|lane| {
+                    let is_own = !is_shared || (start + lane) / samples == pixel;
+                    if is_own {
+                        self.behind[start + lane]
+                    } else {
+                        NONE
+                    }
                 });
+                let colour = |behind: u32| {
+                    let under = self.colours.get(self.layers.len() + behind as usize);
+                    let [r, g, b, _] = under.copied().unwrap_or_default();
+                    inked(pixel, [r, g, b])
+                };
+                // Most samples of a pixel have the same surface behind them.
+                let under = match behind == [behind[0]; LANES] {
+                    true => [colour(behind[0]); LANES],
+                    false => behind.map(colour),
+                };
+                let seen = self.blended(start / LANES % G, under);
                 for sample in sample..sample + samples.min(LANES) {
                     sum = [0, 1, 2].map(|k| sum[k] + seen[k][sample % LANES]);
                 }
@@ -281,21 +297,22 @@ impl<const G: usize> Layers<G> {
         self.order.clear();
         let mut at = self.latest[pixel];
         while let Some(layer) = self.layers.get(at as usize) {
-            let nearest = layer.depth.as_flattened().iter().copied();
-            let nearest = nearest.fold(UNCOVERED, f32::max);
+            let nearest = layer.depth.as_flattened().iter();
+            let nearest = nearest.fold(UNCOVERED, |most, depth| look::larger_of(*depth, most));
             // The chain leads from the last to the first.
-            let place = self.order.iter().position(|(other, _)| *other >= nearest);
-            let place = place.unwrap_or(self.order.len());
-            self.order.insert(place, (nearest, at));
+            let mut place = self.order.len();
+            self.order.push((nearest, at));
+            while place > 0 && self.order[place - 1].0 >= nearest {
+                self.order.swap(place - 1, place);
+                place -= 1;
+            }
             at = layer.before;
         }
     }
 
-    /// Colours of the four samples from `sample` on, by channels, over those `behind` them.
+    /// Colours of the four samples of vector `g`, by channels, over those `under` them.
     #[inline(always)]
-    fn blended(&self, sample: usize, behind: impl Fn(usize) -> Rgb) -> [[f32; LANES]; 3] {
-        let g = sample / LANES % G;
-        let under: [Rgb; LANES] = std::array::from_fn(|lane| behind(sample + lane));
+    fn blended(&self, g: usize, under: [Rgb; LANES]) -> [[f32; LANES]; 3] {
         let channel = |k: usize| f32x4::from(under.map(|rgb| rgb[k]));
         let mut rgb = [channel(0), channel(1), channel(2)];
         let mut nearest = f32x4::splat(UNCOVERED);
@@ -305,7 +322,8 @@ impl<const G: usize> Layers<G> {
             let (depth, covered) = (f32x4::from(layer.depth[g]), layer.covered(g));
             disordered |= (depth.simd_lt(nearest) & covered).to_bitmask();
             nearest = covered.bitselect(depth, nearest);
-            let (over, opacity) = (self.colours[*at as usize], f32x4::splat(layer.opacity));
+            let over = self.colours[*at as usize];
+            let opacity = f32x4::splat(over[3]);
             for k in 0..3 {
                 let mixed = rgb[k] + (f32x4::splat(over[k]) - rgb[k]) * opacity;
                 rgb[k] = covered.bitselect(mixed, rgb[k]);
@@ -330,42 +348,45 @@ impl<const G: usize> Layers<G> {
         let mut own: Vec<u32> = all.filter(|at| depth(at) > UNCOVERED).collect();
         own.sort_unstable_by(|a, b| depth(a).total_cmp(&depth(b)).then(a.cmp(b)));
         own.into_iter().fold(behind, |rgb, at| {
-            let (over, opacity) = (self.colours[at as usize], self.layers[at as usize].opacity);
-            [0, 1, 2].map(|k| look::mix_values(rgb[k], over[k], opacity))
+            let over = self.colours[at as usize];
+            [0, 1, 2].map(|k| look::mix_values(rgb[k], over[k], over[3]))
         })
     }
 
-    /// Colours of all surfaces, with higher opacity for those seen edge-on.
+    /// Colours of all surfaces.
     fn light(&mut self, view: &RasterView, part: &TilePart, batch: &mut ShadingBatch) {
-        let window = part.window;
         let place = |pixel: u32| {
+            let [left, top] = part.corner();
             let pixel = pixel as usize;
-            let x = window.x[0] + (pixel % TILE) as i32;
-            (x, window.y[0] + (pixel / TILE) as i32)
+            [left + (pixel % TILE) as i32, top + (pixel / TILE) as i32]
         };
         let count = self.layers.len();
-        self.colours.clear();
-        self.colours.resize(count + self.under.len(), [0.0; 3]);
+        let colours = &mut self.colours;
+        colours.clear();
+        colours.resize(count + self.under.len(), [0.0; 4]);
         // Each surface of a pixel is lit once, whatever number of samples shows it.
-        let drawn = self.layers.iter_mut().enumerate();
+        let drawn = self.layers.iter().enumerate();
         for (index, layer) in drawn.filter(|(_, l)| part.pixels.contains(l.pixel as usize)) {
-            let (x, y) = place(layer.pixel);
-            let colours = &mut self.colours;
-            let directions = batch.add(view, layer.facet, x, y, 1.0, index, colours);
-            let facet = &view.assembly.facets[layer.facet as usize];
-            let flat = view.assembly.paints[facet.instance()].flat;
-            layer.opacity = seen_opacity(directions, flat, layer.opacity);
+            let mut receive = |index: usize, colour| colours[index] = colour;
+            batch.add(
+                view,
+                layer.facet,
+                place(layer.pixel),
+                (1.0, index),
+                &mut receive,
+            );
         }
-        for (index, (facet, pixel)) in self.under.iter().enumerate() {
-            let (x, y) = place(*pixel);
-            let index = count + index;
+        for (index, (facet, pixel)) in (count..).zip(&self.under) {
+            let [x, y] = place(*pixel);
             if *facet == NOTHING {
-                self.colours[index] = view.backdrop.linear(x as usize, y as usize, view.shadow).0;
-            } else {
-                batch.add(view, *facet, x, y, 1.0, index, &mut self.colours);
+                let (rgb, _) = view.backdrop.linear(x as usize, y as usize, view.shadow);
+                colours[index] = [rgb[0], rgb[1], rgb[2], 1.0];
+                continue;
             }
+            let mut receive = |index: usize, colour| colours[index] = colour;
+            batch.add(view, *facet, [x, y], (1.0, index), &mut receive);
         }
-        batch.flush(&view.around, &mut self.colours);
+        batch.flush(view, &mut |index, colour| colours[index] = colour);
     }
 }
 
@@ -391,13 +412,4 @@ fn is_one_side(assembly: &TriangleAssembly, first: i32, second: i32) -> bool {
         && second != NOTHING
         && side(first) == side(second)
         && assembly.is_smooth(first, second)
-}
-
-/// Opacity of a surface from its normal and the direction of the viewer; flat colours have their own.
-fn seen_opacity([normal, to_viewer]: [[f32; 3]; 2], flat: f32, opacity: f32) -> f32 {
-    let cosine = look::clamp_unit(look::dot_product(
-        unit_vector(normal),
-        unit_vector(to_viewer),
-    ));
-    look::mix_values(look::edge_opacity(opacity, cosine), opacity, flat)
 }

@@ -10,8 +10,9 @@ use std::ops::Range;
 
 /// Facets of more pixels than this along both axes may miss much of the rectangle around them.
 const SMALL: i32 = 8;
-/// Side in pixels of the blocks in which the pixels of such a facet are counted.
-const BLOCK: i32 = 8;
+/// Side in pixels, as a power of two, of the blocks in which the pixels of such a facet are counted.
+const BLOCK_BITS: u32 = 3;
+const BLOCK: i32 = 1 << BLOCK_BITS;
 
 /// A triangle on the screen.
 pub(super) struct ScreenTriangle {
@@ -57,13 +58,16 @@ impl ScreenTriangle {
             return;
         }
         // Block by block: those that none of the sides keeps out.
-        for y in (top..top + TILE as i32).step_by(BLOCK as usize) {
-            for x in (left..left + TILE as i32).step_by(BLOCK as usize) {
-                let part =
-                    |p: i32, [first, last]: [i32; 2]| [p.max(first), (p + BLOCK - 1).min(last)];
+        let part = |p: i32, [first, last]: [i32; 2]| [p.max(first), (p + BLOCK - 1).min(last)];
+        let blocks = |start: i32, [first, last]: [i32; 2]| {
+            let [first, last] = [first.max(start), last.min(start + TILE as i32 - 1)];
+            (first - start) >> BLOCK_BITS..((last - start) >> BLOCK_BITS) + 1
+        };
+        for row in blocks(top, self.pixels.y) {
+            for column in blocks(left, self.pixels.x) {
                 let block = Window {
-                    x: part(x, self.pixels.x),
-                    y: part(y, self.pixels.y),
+                    x: part(left + column * BLOCK, self.pixels.x),
+                    y: part(top + row * BLOCK, self.pixels.y),
                 };
                 if self.meets(block.x, block.y) {
                     mask.add([left, top], &block);
