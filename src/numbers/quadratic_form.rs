@@ -101,20 +101,24 @@ impl<'r> QuadraticForm<'r> {
         self.bends
     }
 
-    /// The same with everything that depends on numbers from `first` on moved into the error.
-    pub fn folded(self, first: usize) -> Self {
-        let line = self.line.folded(first);
-        let Some((kept, moved)) = self.bends.split_at_checked(packed_length(first)) else {
+    /// The same without its slopes along numbers from `first` on; other terms with these numbers go into the error.
+    pub fn cut(self, first: usize) -> Self {
+        let mut line = self.line.cut(first);
+        let Some((bends, moved @ [_, ..])) = self.bends.split_at_checked(packed_length(first))
+        else {
             return Self { line, ..self };
         };
-        let mut folded = Self {
-            line,
-            bends: kept,
-            bend: long_sum_of_magnitudes(kept) * GROW,
-        };
         let beyond = long_sum_of_magnitudes(moved) * GROW;
-        folded.line.error = (folded.line.error + beyond) * GROW;
-        folded
+        line.error = (line.error + beyond) * GROW;
+        let bend = long_sum_of_magnitudes(bends) * GROW;
+        Self { line, bends, bend }
+    }
+
+    /// How far the coefficients of two forms are apart, in all.
+    pub fn apart(&self, b: &Self) -> f64 {
+        let lists = [(self.line.slopes(), b.line.slopes()), (self.bends, b.bends)];
+        let apart = lists.map(|(a, b)| distance_of_lists(a, b));
+        ((self.line.value - b.line.value).abs() + apart.iter().sum::<f64>()) * GROW
     }
 
     /// How many of the first numbers it depends on.
@@ -151,9 +155,11 @@ impl<'r> QuadraticForm<'r> {
         match self.room() {
             None => lost = 0.5 * here.abs() * radius * radius,
             Some(room) if !line.slopes().is_empty() => {
+                let (slopes, beside) = line.split_slopes(room.bent());
+                lost = here.abs() * radius * beside;
                 bends = room.bends().blank();
-                for (l, slope) in line.slopes().iter().enumerate() {
-                    let others = &line.slopes()[..l];
+                for (l, slope) in slopes.iter().enumerate() {
+                    let others = &slopes[..l];
                     bends.extend(others.iter().map(|other| -here * slope * other));
                     bends.push(-0.5 * here * slope * slope);
                     bends.resize(packed_length(l + 1), 0.0);
@@ -170,8 +176,8 @@ impl<'r> QuadraticForm<'r> {
             slope.distance(rate) * wide,
             rate.abs() * line.error,
             0.5 * here.abs() * beyond * (2.0 * radius + beyond),
-            // No derivative is above one.
-            wide * wide * wide / 6.0,
+            // The third derivative is minus the first, and no slope changes by more than the range.
+            (rate.abs() + slope.distance(rate) + wide).min(1.0) * wide * wide * wide / 6.0,
             OF_PRODUCT * (rate.abs() * wide + here.abs() * radius * radius),
             lost,
             UNDERFLOW,
@@ -180,6 +186,14 @@ impl<'r> QuadraticForm<'r> {
         let line = line.with_each_slope(|slope| rate * slope, here, error);
         Self::from(line).bent(bends)
     }
+}
+
+/// Σ |a - b|; the shorter list ends with zeros.
+fn distance_of_lists(a: &[f64], b: &[f64]) -> f64 {
+    let (own, more) = a.split_at(a.len().min(b.len()));
+    let (beside, others) = b.split_at(own.len());
+    let pairs = own.iter().zip(beside).map(|(a, b)| (a - b).abs());
+    pairs.sum::<f64>() + long_sum_of_magnitudes(more) + long_sum_of_magnitudes(others)
 }
 
 mod operations;

@@ -6,7 +6,7 @@ use super::plan::TolerancePlan;
 use crate::kinematics::abreast::anchor::AnchorPose;
 use crate::kinematics::abreast::closing::LaneSolver;
 use crate::kinematics::enclosure::block::Unbounded;
-use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure, REFINING, Rooms, Sought};
+use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure, Rooms, Sought};
 use crate::kinematics::enclosure::quadratic::{BoxFace, QuadraticBound};
 use crate::kinematics::enclosure::region::ToleranceInterval;
 use crate::kinematics::loops::observed::observed_slots;
@@ -167,15 +167,10 @@ impl<'f> PieceFinder<'f> {
         )
     }
 
-    /// A first-order enclosure that keeps terms of second order, in so many rounds.
-    pub fn refined<'r>(
-        &mut self,
-        plain: &PoseEnclosure,
-        kept: &'r FormRoom,
-        rounds: usize,
-    ) -> PoseEnclosure<'r> {
+    /// A first-order enclosure that keeps terms of second order.
+    pub fn refined<'r>(&mut self, plain: &PoseEnclosure, kept: &'r FormRoom) -> PoseEnclosure<'r> {
         let [work, _] = &mut self.space.rooms;
-        self.encloser.refined(plain, Rooms { work, kept }, rounds)
+        self.encloser.refined(plain, Rooms { work, kept })
     }
 
     /// The same with first-order forms only; also returns whether second-order forms would be tried.
@@ -222,12 +217,9 @@ impl<'f> PieceFinder<'f> {
         let size = self.plan.family.mechanism().size;
         let sharp =
             |band: &ValueBand| is_sharp([band.lo, band.hi], band.found, band.nominal.abs() + size);
-        for rounds in REFINING {
-            if !is_rough || bands.list.iter().all(sharp) {
-                break;
-            }
-            // All of them enclose all pieces, so that their intersection does.
-            let enclosure = self.refined(&plain, room, rounds);
+        if is_rough && !bands.list.iter().all(sharp) {
+            // Both enclose all pieces, so that their intersection does.
+            let enclosure = self.refined(&plain, room);
             let refined = self.bands_within(&enclosure, anchor, &mut found);
             for (band, other) in bands.list.iter_mut().zip(&refined.list) {
                 *band = band.narrowed(other);

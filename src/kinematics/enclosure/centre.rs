@@ -5,6 +5,7 @@ use super::form::DimensionForm;
 use super::mapped::{Contraction, Mapped};
 use super::region::Region;
 use super::rows::{Layout, Rows};
+use super::sided::SidedForms;
 use crate::kinematics::results::certificate::Reason;
 use crate::linalg::gauss_jordan::GaussJordan;
 use crate::linalg::lanes::LaneMatrix;
@@ -25,8 +26,10 @@ pub struct Centre {
     pub rates: Vec<f64>,
     /// Points about which the loops are expressed.
     pub about: Vec<[f64; 3]>,
-    /// How many of the first δ the block depends on; the sides of its box are the numbers that follow.
+    /// How many of the first δ the block depends on.
     pub span: usize,
+    /// The first of the numbers that are the sides of its box.
+    pub sides: usize,
 }
 
 /// The Jacobian where the unknowns are sought.
@@ -92,17 +95,19 @@ impl Centre {
                 }
             }
         }
+        let span = region.span_of(&layout.slots[n..]);
         Ok(Self {
             n,
             inverse,
             newton,
             rates,
             about,
-            span: region.span_of(&layout.slots[n..]),
+            span,
+            sides: span,
         })
     }
 
-    /// Those of a box that is proved already.
+    /// Those of a box that is proved already. Its sides are behind all dimensions, where forms have no second order.
     pub fn of_box<F: DimensionForm>(
         layout: &Layout,
         known: &BlockBox,
@@ -120,6 +125,7 @@ impl Centre {
             rates: known.rates.clone(),
             about: known.about.clone(),
             span: region.span_of(&layout.slots[layout.own()..]),
+            sides: region.count,
         }
     }
 
@@ -162,61 +168,70 @@ impl Centre {
         region: &Region<F>,
         varying: Varying<F>,
     ) -> Mapped<F> {
-        let (n, m, columns) = (self.n, region.count, layout.slots.len());
+        let (n, span) = (self.n, region.count.min(self.span));
         let Varying { rows, entries, a } = varying;
-        // Fₖ of the rows of the basis.
-        let zero = F::number(0.0);
-        let mut by_dimension = Vec::with_capacity(n * m);
-        for row in basis {
-            let others = layout.slots.iter().zip(&rows.jacobian[row * columns..]);
-            let others: Vec<(usize, F)> = (others.skip(n))
-                .filter(|(_, by_slot)| **by_slot != zero)
-                .map(|(slot, by_slot)| (*slot, *by_slot))
-                .collect();
-            by_dimension.extend(region.chain(&others));
-        }
-        let mut mapped = Mapped {
-            g: Vec::with_capacity(n * m),
-            entries: Vec::new(),
-            a,
-            eta: self.newton.clone(),
-        };
-        // S + A S + R Fₖ, for the dimensions that the block depends on.
-        let span = m.min(self.span);
-        let of = |i: usize, k: usize| self.rates[i * m + k];
-        let mut sums: Vec<F::Sum> = (0..n * span)
-            .map(|place| F::Sum::new(of(place / span, place % span)))
-            .collect();
+        let along = self.along_tangent(layout, basis, region, &rows);
+        let mut g: Vec<F::Sum> = (0..n * span).map(|_| F::Sum::new(0.0)).collect();
         for k in 0..span {
-            let by_rows: Vec<&F> = by_dimension.iter().skip(k).step_by(m).collect();
-            let mut sums: Vec<&mut F::Sum> = sums.iter_mut().skip(k).step_by(span).collect();
+            let by_rows: Vec<&F> = along.iter().skip(k).step_by(span).collect();
+            let mut sums: Vec<&mut F::Sum> = g.iter_mut().skip(k).step_by(span).collect();
             F::Sum::add_scaled_to_all(&mut sums, &self.inverse, &by_rows);
         }
-        let by_place = (0..n * span).map(|place| of(place % n, place / n));
-        let columns: Vec<f64> = by_place.collect();
-        let rows = sums
-            .chunks_exact_mut(span.max(1))
-            .zip(entries.chunks_exact(n.max(1)));
-        for (sums, entries) in rows {
-            let mut sums: Vec<&mut F::Sum> = sums.iter_mut().collect();
-            let entries: Vec<&F> = entries.iter().collect();
-            F::Sum::add_scaled_to_all(&mut sums, &columns, &entries);
+        let g: Vec<F> = g.into_iter().map(F::Sum::finish).collect();
+        let rows = g.chunks_exact(span.max(1));
+        let open = rows.map(|row| {
+            let open = |g: &F| g.nominal().abs() + 0.5 * g.radius() + g.beyond();
+            row.iter().map(open).sum::<f64>()
+        });
+        let open = open.chain(std::iter::repeat(0.0));
+        let eta = self.newton.iter().zip(open);
+        let places = [self.sides, n];
+        Mapped {
+            eta: eta.map(|(newton, open)| (newton + open) * GROW).collect(),
+            g: SidedForms::new(g.into_iter(), span, self.span, places),
+            entries: SidedForms::new(entries.into_iter(), n, self.span, places),
+            a,
         }
-        let mut sums = sums.into_iter();
-        for eta in &mut mapped.eta {
-            let mut open = 0.0;
-            for g in sums.by_ref().take(span).map(F::Sum::finish) {
-                open += g.nominal().abs() + 0.5 * g.radius() + g.beyond();
-                mapped.g.push(g.folded(self.span));
-            }
-            mapped.g.resize(mapped.g.len() + m - span, zero);
-            *eta = (*eta + open) * GROW;
+    }
+
+    /// J S + Fₖ: how the rows of the basis change with the dimensions that the block depends on, along the tangent.
+    fn along_tangent<F: DimensionForm>(
+        &self,
+        layout: &Layout,
+        basis: &[usize],
+        region: &Region<F>,
+        rows: &Rows<F>,
+    ) -> Vec<F> {
+        let (n, m, span) = (self.n, region.count, region.count.min(self.span));
+        let zero = F::number(0.0);
+        let mut all = Vec::with_capacity(n * span);
+        for row in basis {
+            let by_slot = layout
+                .slots
+                .iter()
+                .zip(&rows.jacobian[row * layout.slots.len()..]);
+            let by_slot = by_slot.enumerate().filter(|(_, (_, by))| **by != zero);
+            let (own, others): (Vec<_>, Vec<_>) = by_slot.partition(|(column, _)| *column < n);
+            let others: Vec<(usize, F)> = others
+                .iter()
+                .map(|(_, (slot, by))| (**slot, **by))
+                .collect();
+            let by_dimension = region.chain(&others);
+            let mut sums: Vec<F::Sum> = (by_dimension.iter().take(span))
+                .map(|by| {
+                    let mut sum = F::Sum::new(0.0);
+                    sum.add_scaled(1.0, by);
+                    sum
+                })
+                .collect();
+            let rates = (0..span).flat_map(|k| own.iter().map(move |(column, _)| column * m + k));
+            let rates: Vec<f64> = rates.map(|place| self.rates[place]).collect();
+            let by_own: Vec<&F> = own.iter().map(|(_, (_, by))| *by).collect();
+            let mut list: Vec<&mut F::Sum> = sums.iter_mut().collect();
+            F::Sum::add_scaled_to_all(&mut list, &rates, &by_own);
+            all.extend(sums.into_iter().map(F::Sum::finish));
         }
-        if F::BENT {
-            let folded = entries.into_iter().map(|entry| entry.folded(self.span));
-            mapped.entries = folded.collect();
-        }
-        mapped
+        all
     }
 }
 

@@ -27,8 +27,17 @@ pub trait DimensionForm: Scalar + SummedForm {
     /// The same with its error as the change along a number of its own, `index`, if there is room for it.
     fn marked(self, index: usize) -> Self;
 
-    /// The same with everything that depends on numbers from `first` on moved into the error.
-    fn folded(self, first: usize) -> Self;
+    /// The same without its slopes along numbers from `first` on; other terms with these numbers go into the error.
+    fn cut(self, first: usize) -> Self;
+
+    /// Its terms of first and second order alone.
+    fn bare(self) -> Self;
+
+    /// Bound of everything that its coefficients do not describe.
+    fn rest(&self) -> f64;
+
+    /// How far the coefficients of two forms are apart, in all.
+    fn apart(&self, other: &Self) -> f64;
 
     /// Bound of the linear part.
     fn radius(&self) -> f64;
@@ -82,8 +91,21 @@ impl DimensionForm for AffineForm<'_> {
         self.marked(index)
     }
 
-    fn folded(self, first: usize) -> Self {
-        self.folded(first)
+    fn cut(self, first: usize) -> Self {
+        self.cut(first)
+    }
+
+    fn bare(mut self) -> Self {
+        (self.value, self.error) = (0.0, 0.0);
+        self
+    }
+
+    fn rest(&self) -> f64 {
+        self.error
+    }
+
+    fn apart(&self, other: &Self) -> f64 {
+        QuadraticForm::from(*self).apart(&QuadraticForm::from(*other))
     }
 }
 
@@ -130,8 +152,21 @@ impl DimensionForm for QuadraticForm<'_> {
         self
     }
 
-    fn folded(self, first: usize) -> Self {
-        self.folded(first)
+    fn cut(self, first: usize) -> Self {
+        self.cut(first)
+    }
+
+    fn bare(mut self) -> Self {
+        self.line = self.line.bare();
+        self
+    }
+
+    fn rest(&self) -> f64 {
+        self.line.error
+    }
+
+    fn apart(&self, other: &Self) -> f64 {
+        self.apart(other)
     }
 }
 

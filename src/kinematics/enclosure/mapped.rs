@@ -1,5 +1,6 @@
 //! The map of a block's box, and bounds that follow if the box is mapped into itself.
 
+use super::sided::SidedForms;
 use crate::numbers::rounding::GROW;
 
 /// How often bounds are improved by the contraction.
@@ -7,10 +8,10 @@ pub const SWEEPS: usize = 6;
 
 /// The map of the box.
 pub struct Mapped<F> {
-    /// G, unknown after unknown.
-    pub g: Vec<F>,
+    /// G, unknown after unknown, by the dimensions that the block depends on.
+    pub g: SidedForms<F>,
     /// A, row after row.
-    pub entries: Vec<F>,
+    pub entries: SidedForms<F>,
     /// |A|
     pub a: Contraction,
     /// η

@@ -15,4 +15,6 @@ pub mod pose;
 pub mod quadratic;
 pub mod region;
 pub mod rows;
+mod settled;
+mod sided;
 mod twists;

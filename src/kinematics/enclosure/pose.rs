@@ -23,10 +23,6 @@ const ROUGH: f64 = 1e-3;
 /// Most numbers of forms of second order: a form takes four times the square of it in bytes.
 const MOST_BENT: usize = 36;
 
-/// Rounds of a refinement: one makes nearly all bands of poses as narrow as their pieces; measures over many poses need the
-/// others, which double the time, and after three nothing more was gained.
-pub const REFINING: [usize; 2] = [1, 3];
-
 /// What is enclosed.
 #[derive(Clone, Copy, Debug)]
 pub struct Sought<'p> {
@@ -86,7 +82,7 @@ impl<'s> Encloser<'s> {
         let Rooms { work, kept } = rooms;
         match self.enclose_plainly(sought, Rooms { work, kept }) {
             // If the second order of the Jacobian makes the boxes wide, it is kept.
-            Ok((plain, true)) => Ok(self.refined(&plain, Rooms { work, kept }, REFINING[1])),
+            Ok((plain, true)) => Ok(self.refined(&plain, Rooms { work, kept })),
             Ok((plain, false)) => Ok(plain),
             Err(unbounded) if unbounded.reason == Reason::Singular && kept.count() <= MOST_BENT => {
                 work.empty(kept.count());
@@ -130,22 +126,21 @@ impl<'s> Encloser<'s> {
         }
     }
 
-    /// A first-order enclosure that keeps terms of second order, in one of the numbers of rounds of [`REFINING`].
+    /// A first-order enclosure that keeps terms of second order.
     pub fn refined<'r>(
         &self,
         plain: &PoseEnclosure,
         Rooms { work, kept }: Rooms<'_, 'r>,
-        rounds: usize,
     ) -> PoseEnclosure<'r> {
-        work.empty(kept.count());
-        self.kept(self.refined_region(&plain.region, &*work, rounds), kept)
+        // What the sides of boxes change to the second order is too small to be kept.
+        work.empty_bent(kept.count(), plain.region.count);
+        self.kept(self.refined_region(&plain.region, &*work), kept)
     }
 
     fn refined_region<'w>(
         &self,
         plain: &Region<'w, AffineForm<'w>>,
         room: &'w FormRoom,
-        rounds: usize,
     ) -> Region<'w, AffineForm<'w>> {
         let mechanism = self.system.mechanism();
         let (unknowns, coordinates) = (mechanism.unknowns.len(), mechanism.coordinate_count());
@@ -170,7 +165,7 @@ impl<'s> Encloser<'s> {
         // With these forms the blocks are enclosed once more, in the boxes that are proved already.
         for (layout, known) in self.layouts.iter().zip(&plain.boxes) {
             if known.roughness > ROUGH {
-                refine_block(layout, known, &mut region, rounds);
+                refine_block(layout, known, &mut region);
             }
         }
         // Traces and outputs follow from the coordinates; then second-order terms are bounded again.

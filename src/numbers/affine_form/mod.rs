@@ -123,15 +123,29 @@ impl<'r> AffineForm<'r> {
 
     /// The same with everything that depends on numbers from `first` on moved into the error.
     pub fn folded(self, first: usize) -> Self {
-        let Some((kept, moved)) = self.slopes.split_at_checked(first) else {
-            return self;
-        };
-        let beyond = sum_of_magnitudes(moved) * GROW;
-        Self {
-            slopes: kept,
-            radius: sum_of_magnitudes(kept) * GROW,
-            error: (self.error + beyond) * GROW,
-            ..self
+        let beyond = self.slopes.get(first..).map_or(0.0, sum_of_magnitudes) * GROW;
+        let mut folded = self.cut(first);
+        folded.error = (folded.error + beyond) * GROW;
+        folded
+    }
+
+    /// The same without its slopes along numbers from `first` on.
+    pub fn cut(self, first: usize) -> Self {
+        match self.slopes.split_at_checked(first) {
+            Some((slopes, [_, ..])) => Self {
+                slopes,
+                radius: sum_of_magnitudes(slopes) * GROW,
+                ..self
+            },
+            _ => self,
+        }
+    }
+
+    /// The slopes along the first numbers, and a bound of the others together.
+    pub(super) fn split_slopes(&self, first: usize) -> (&'r [f64], f64) {
+        match self.slopes.split_at_checked(first) {
+            Some((own, others @ [_, ..])) => (trimmed(own), sum_of_magnitudes(others) * GROW),
+            _ => (self.slopes, 0.0),
         }
     }
 

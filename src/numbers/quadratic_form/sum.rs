@@ -3,7 +3,7 @@
 use super::{OF_PRODUCT, QuadraticForm};
 use crate::numbers::affine_form::AffineForm;
 use crate::numbers::affine_form::sum::AffineSum;
-use crate::numbers::form_room::packed_length;
+use crate::numbers::form_room::{FormRoom, packed_length};
 use crate::numbers::form_sum::{FormSum, SummedForm};
 use crate::numbers::lists::{
     FactorLists, add_combinations, add_long_list, add_symmetric_product, add_symmetric_products,
@@ -15,19 +15,19 @@ use crate::numbers::scalar::Sign;
 /// A value below this share of a form's slopes does not multiply second-order coefficients one by one.
 const NEGLIGIBLE: f64 = 1e-6;
 
-/// Values that are nothing but rounding, as a share of their forms' slopes.
-const INVISIBLE: f64 = 1e-13;
-
 /// A sum so far.
 pub struct QuadraticSum<'r> {
     line: AffineSum<'r>,
     bends: Vec<f64>,
 }
 
-/// Factors of several products with the lists of their slopes.
+/// The slopes of the factors of several products.
 pub struct QuadraticFactors<'r> {
-    forms: Vec<QuadraticForm<'r>>,
     slopes: FactorLists,
+    /// Bounds of the linear parts.
+    radii: Vec<f64>,
+    /// A factor that knows the room.
+    room: AffineForm<'r>,
 }
 
 impl<'r> QuadraticSum<'r> {
@@ -60,19 +60,27 @@ impl<'r> QuadraticSum<'r> {
 
     /// Adds the terms of second order from the slopes of both factors; returns a bound of what finds no space.
     fn add_product_of_slopes(&mut self, sign: Sign, a: &AffineForm<'r>, b: &AffineForm<'r>) -> f64 {
-        let (x, y) = (a.slopes(), b.slopes());
+        let first = self.bent();
+        let ((x, far), (y, wide)) = (a.split_slopes(first), b.split_slopes(first));
+        // Products with numbers that have no terms of second order.
+        let lost = far * b.radius() + wide * a.radius();
         if x.is_empty() || y.is_empty() {
-            return 0.0;
+            return lost;
         }
         let span = x.len().max(y.len());
         match self.widen(packed_length(span)) {
             Some(bends) => {
                 let (x, y) = (in_lanes(x, 1.0, span), in_lanes(y, sign.factor(), span));
                 add_symmetric_product(bends, &x, &y, span);
-                0.0
+                lost
             }
             None => a.radius() * b.radius(),
         }
+    }
+
+    /// How many numbers have terms of second order.
+    fn bent(&self) -> usize {
+        self.line.room().map_or(0, FormRoom::bent)
     }
 
     /// Adds the values of both factors times the terms of second order of the other; returns a bound of what is negligible.
@@ -96,8 +104,9 @@ impl<'r> QuadraticSum<'r> {
         let [p, q] = both;
         match self.line.room() {
             Some(room) if self.bends.capacity() == 0 => {
-                let spans = a.line.slopes().len().max(b.line.slopes().len());
-                let length = packed_length(spans).max(p.1.len()).max(q.1.len());
+                let slopes = [a, b].map(|form| form.line.split_slopes(room.bent()).0.len());
+                let length = packed_length(slopes[0].max(slopes[1]));
+                let length = length.max(p.1.len()).max(q.1.len());
                 if length > 0 {
                     self.bends = room.bends().unset(length);
                     set_to_two(&mut self.bends, p, q);
@@ -114,19 +123,18 @@ impl<'r> QuadraticSum<'r> {
         lost
     }
 
-    /// Adds a product of forms that are no numbers except for their terms of second order, of which `lost` is unknown. Values up to the
-    /// share `ignored` of their slopes count as errors.
+    /// Adds a product of forms that are no numbers except for their terms of second order, of which `lost` is unknown.
     fn add_rest_of_product(
         &mut self,
         sign: Sign,
         a: &QuadraticForm<'r>,
         b: &QuadraticForm<'r>,
-        [lost, ignored]: [f64; 2],
+        lost: f64,
     ) {
         let (u, v) = (a.line.value, b.line.value);
         let (rx, ry) = (a.line.radius(), b.line.radius());
         let line = &mut self.line;
-        line.add_line(sign, (&a.line, &b.line), ignored);
+        line.add_line(sign, (&a.line, &b.line));
         let (qx, qy) = (a.bend, b.bend);
         let (ex, ey) = (a.line.error, b.line.error);
         let (far, wide) = (u.abs() + rx + qx, v.abs() + ry + qy);
@@ -185,12 +193,13 @@ impl<'r> FormSum for QuadraticSum<'r> {
         }
     }
 
-    fn factors(forms: Vec<QuadraticForm<'r>>, span: usize) -> QuadraticFactors<'r> {
+    fn factors(forms: &[&QuadraticForm<'r>], span: usize) -> QuadraticFactors<'r> {
         let slopes = forms.iter().map(|form| form.line.slopes());
-        let longest = slopes.clone().map(<[f64]>::len).max().unwrap_or(0);
+        let roomy = forms.iter().find(|form| form.room().is_some());
         QuadraticFactors {
-            slopes: FactorLists::new(slopes, span.max(longest)),
-            forms,
+            slopes: FactorLists::new(slopes, span),
+            radii: forms.iter().map(|form| form.line.radius()).collect(),
+            room: roomy.map_or(AffineForm::ZERO, |form| form.line),
         }
     }
 
@@ -245,33 +254,20 @@ impl<'r> FormSum for QuadraticSum<'r> {
         if !self.has_added_number(sign, a, b) {
             let lost = self.add_products_with_bends(sign, a, b)
                 + self.add_product_of_slopes(sign, &a.line, &b.line);
-            self.add_rest_of_product(sign, a, b, [lost, 0.0]);
+            self.add_rest_of_product(sign, a, b, lost);
         }
     }
 
-    fn add_products(&mut self, a: &QuadraticFactors<'r>, b: &QuadraticFactors<'r>) {
-        let pairs = || a.forms.iter().zip(&b.forms);
-        let span = a.slopes.span();
-        for (a, b) in pairs() {
-            self.line.note_room(&a.line);
-            self.line.note_room(&b.line);
+    fn add_products_of_slopes(&mut self, a: &QuadraticFactors<'r>, b: &QuadraticFactors<'r>) {
+        self.line.note_room(&a.room);
+        self.line.note_room(&b.room);
+        // Without a room there are no slopes.
+        if let Some(bends) = self.widen(packed_length(a.slopes.span())) {
+            add_symmetric_products(bends, &a.slopes, &b.slopes);
         }
-        let bends = match b.slopes.span() == span {
-            true => self.widen(packed_length(span)),
-            false => None,
-        };
-        let Some(bends) = bends else {
-            pairs().for_each(|(a, b)| self.add_product(a, b));
-            return;
-        };
-        // All products of slopes together; numbers have none.
-        add_symmetric_products(bends, &a.slopes, &b.slopes);
-        for (a, b) in pairs() {
-            if !self.has_added_number(Sign::Plus, a, b) {
-                let lost = self.add_products_with_bends(Sign::Plus, a, b);
-                self.add_rest_of_product(Sign::Plus, a, b, [lost, INVISIBLE]);
-            }
-        }
+        let pairs = a.radii.iter().zip(&b.radii);
+        let size = pairs.map(|(x, y)| x * y).sum();
+        self.line.count(2.0 * a.radii.len() as f64, size);
     }
 
     fn finish(self) -> QuadraticForm<'r> {
