@@ -9,7 +9,6 @@ pub const LANES: usize = 8;
 #[derive(Debug, Default)]
 pub struct FormRoom {
     count: usize,
-    bent: usize,
     slopes: CoefficientLists,
     bends: CoefficientLists,
 }
@@ -44,24 +43,14 @@ impl FormRoom {
 
     /// Gives up all lists; forms then depend on `count` numbers.
     pub fn empty(&mut self, count: usize) {
-        self.empty_bent(count, count);
-    }
-
-    /// The same, with terms of second order for the first `bent` numbers only: those of others are bounded.
-    pub fn empty_bent(&mut self, count: usize, bent: usize) {
-        (self.count, self.bent) = (count, bent);
+        self.count = count;
         self.slopes.empty(count);
-        self.bends.empty(packed_length(bent));
+        self.bends.empty(packed_length(count));
     }
 
     /// How many numbers forms change with.
     pub fn count(&self) -> usize {
         self.count
-    }
-
-    /// How many of the first numbers have terms of second order.
-    pub fn bent(&self) -> usize {
-        self.bent
     }
 
     /// Lists of first order.

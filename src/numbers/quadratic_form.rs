@@ -101,17 +101,23 @@ impl<'r> QuadraticForm<'r> {
         self.bends
     }
 
-    /// The same without its slopes along numbers from `first` on; other terms with these numbers go into the error.
+    /// The same without its terms with numbers from `first` on.
     pub fn cut(self, first: usize) -> Self {
-        let mut line = self.line.cut(first);
-        let Some((bends, moved @ [_, ..])) = self.bends.split_at_checked(packed_length(first))
-        else {
-            return Self { line, ..self };
-        };
-        let beyond = long_sum_of_magnitudes(moved) * GROW;
-        line.error = (line.error + beyond) * GROW;
-        let bend = long_sum_of_magnitudes(bends) * GROW;
-        Self { line, bends, bend }
+        let line = self.line.cut(first);
+        match self.bends.split_at_checked(packed_length(first)) {
+            Some((bends, [_, ..])) => {
+                let bend = long_sum_of_magnitudes(bends) * GROW;
+                Self { line, bends, bend }
+            }
+            _ => Self { line, ..self },
+        }
+    }
+
+    /// Bound of its terms with number `index` and those before it.
+    pub fn effect_of(&self, index: usize) -> f64 {
+        let end = self.bends.len().min(packed_length(index + 1));
+        let bends = self.bends.get(packed_length(index)..end);
+        (self.line.slope(index).abs() + bends.map_or(0.0, long_sum_of_magnitudes)) * GROW
     }
 
     /// How far the coefficients of two forms are apart, in all.
@@ -155,11 +161,9 @@ impl<'r> QuadraticForm<'r> {
         match self.room() {
             None => lost = 0.5 * here.abs() * radius * radius,
             Some(room) if !line.slopes().is_empty() => {
-                let (slopes, beside) = line.split_slopes(room.bent());
-                lost = here.abs() * radius * beside;
                 bends = room.bends().blank();
-                for (l, slope) in slopes.iter().enumerate() {
-                    let others = &slopes[..l];
+                for (l, slope) in line.slopes().iter().enumerate() {
+                    let others = &line.slopes()[..l];
                     bends.extend(others.iter().map(|other| -here * slope * other));
                     bends.push(-0.5 * here * slope * slope);
                     bends.resize(packed_length(l + 1), 0.0);

@@ -8,7 +8,7 @@ use super::reductions::taken_number;
 use super::tracked::Tracked;
 use crate::analysis::study::Nominal;
 use crate::kinematics::abreast::anchor::AnchorPose;
-use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure};
+use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure, REFINING};
 use crate::kinematics::enclosure::quadratic::{BoxFace, QuadraticBound};
 use crate::kinematics::enclosure::rows::expression_gradient;
 use crate::kinematics::loops::observed::observed_slots;
@@ -73,10 +73,11 @@ pub fn enclose_measures(
     if !is_rough.contains(&true) || first.iter().all(sharp) {
         return Ok(list(&first));
     }
+    let all: Vec<usize> = (0..plan.dimensions.len()).collect();
     let mut enclosures = Vec::new();
     for (known, rough) in plain.into_iter().zip(is_rough) {
         enclosures.push(match rough {
-            true => search.finder.refined(&known, &room),
+            true => search.finder.refined(&known, &room, (&all, REFINING[1])),
             false => known,
         });
     }

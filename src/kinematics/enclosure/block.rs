@@ -44,6 +44,9 @@ const ATTEMPTS: usize = 10;
 /// A box whose image takes more than this share of it is tight enough.
 const SHARP: f64 = 0.6;
 
+/// How often the maps are narrowed with the unknowns known to second order.
+const POLISHING: usize = 2;
+
 /// Why there is no box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unbounded {
@@ -71,10 +74,10 @@ pub fn enclose_block<'r, F: StoredForm<'r>>(
     region: &mut Region<'r, F>,
 ) -> Result<f64, Unbounded> {
     let centre = Centre::new(layout, basis, region)?;
-    let (mapped, box_of) = centre.proved_box(mechanism, layout, basis, region)?;
-    centre.settle(layout, region, &mapped, &box_of);
+    let (mapped, eta, box_of) = centre.proved_box(mechanism, layout, basis, region)?;
+    centre.settle(layout, region, (&mapped, &eta), &box_of);
     if F::BENT {
-        centre.polish(layout, basis, region, &box_of);
+        centre.polish(layout, basis, region, (&box_of, POLISHING));
     }
     let roughness = centre.roughness(layout, region);
     region.boxes.push(BlockBox {
@@ -89,15 +92,17 @@ pub fn enclose_block<'r, F: StoredForm<'r>>(
     Ok(roughness)
 }
 
-/// Encloses the block's unknowns again, with all slots known: to second order if the first left much open.
+/// Encloses the block's unknowns and their derivatives by some dimensions again in at most so many rounds, with all slots known:
+/// to second order if the first left much open.
 pub fn refine_block<'r, F: StoredForm<'r>>(
     layout: &Layout,
     known: &BlockBox,
     region: &mut Region<'r, F>,
+    (asked, rounds): (&[usize], usize),
 ) {
     let open = region.open.clone();
-    let centre = Centre::of_box(layout, known, region);
-    if !centre.polish(layout, &known.basis, region, &known.sides) {
+    let centre = Centre::of_box(layout, known, region, asked);
+    if !centre.polish(layout, &known.basis, region, (&known.sides, rounds)) {
         region.open = open;
     }
 }
@@ -114,14 +119,14 @@ impl Centre {
         (0..m).max_by(|a, b| moved(*a).total_cmp(&moved(*b)))
     }
 
-    /// A box that is mapped into itself.
+    /// A box that is mapped into itself, after the maps over it and η.
     fn proved_box<'r, F: StoredForm<'r>>(
         &self,
         mechanism: &Mechanism,
         layout: &Layout,
         basis: &[usize],
         region: &mut Region<'r, F>,
-    ) -> Result<(Mapped<F>, Vec<f64>), Unbounded> {
+    ) -> Result<(Mapped<F>, Vec<f64>, Vec<f64>), Unbounded> {
         let (n, m) = (self.n, region.count);
         let mut farthest = self.farthest(layout, mechanism, m);
         let refused = |reason: Reason, dimension| Unbounded { reason, dimension };
@@ -129,8 +134,7 @@ impl Centre {
         self.place(layout, region, &vec![0.0; n]);
         let along = self.varying(layout, basis, region);
         let along = along.map_err(|reason| refused(reason, farthest))?;
-        let along = self.map(layout, basis, region, along);
-        let eta = along.eta;
+        let eta = self.eta(&self.changes(layout, basis, region, &along));
         // A first box from the residual along the tangent.
         let mut box_of = (0..SWEEPS).fold(eta.clone(), |w, _| along.a.image(&eta, &w));
         for (side, slot) in box_of.iter_mut().zip(&layout.block.unknowns) {
@@ -171,8 +175,8 @@ impl Centre {
         }
         let (varying, box_of) = passed.ok_or_else(|| refused(Reason::Singular, farthest))?;
         self.place(layout, region, &box_of);
-        let mapped = self.map(layout, basis, region, varying);
-        Ok((Mapped { eta, ..mapped }, box_of))
+        let g = self.changes(layout, basis, region, &varying);
+        Ok((self.mapped(varying, g), eta, box_of))
     }
 
     /// Largest share of the unknowns' range that is neither of first nor of second order.
@@ -198,7 +202,7 @@ impl Centre {
         for (i, slot) in layout.block.unknowns.iter().enumerate() {
             let rates = &self.rates[i * m..][..m];
             let form = F::linear(region.room, region.slots[*slot].nominal(), rates, box_of[i]);
-            region.slots[*slot] = form.marked(self.sides + i);
+            region.slots[*slot] = form.marked(self.span + i);
         }
     }
 }

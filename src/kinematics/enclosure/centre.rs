@@ -26,10 +26,10 @@ pub struct Centre {
     pub rates: Vec<f64>,
     /// Points about which the loops are expressed.
     pub about: Vec<[f64; 3]>,
-    /// How many of the first δ the block depends on.
+    /// How many of the first δ the block depends on; the sides of its box are the numbers that follow.
     pub span: usize,
-    /// The first of the numbers that are the sides of its box.
-    pub sides: usize,
+    /// Those of them by which derivatives are sought.
+    pub asked: Vec<usize>,
 }
 
 /// The Jacobian where the unknowns are sought.
@@ -103,29 +103,31 @@ impl Centre {
             rates,
             about,
             span,
-            sides: span,
+            asked: (0..region.count.min(span)).collect(),
         })
     }
 
-    /// Those of a box that is proved already. Its sides are behind all dimensions, where forms have no second order.
+    /// Those of a box that is proved already, for the derivatives by some dimensions.
     pub fn of_box<F: DimensionForm>(
         layout: &Layout,
         known: &BlockBox,
         region: &mut Region<F>,
+        asked: &[usize],
     ) -> Self {
         for slot in &layout.block.unknowns {
             // The centre of the box is exactly this pose.
             region.open[*slot] = 0.0;
         }
         let residual = layout.residuals(&region.centre(), &known.about);
+        let span = region.span_of(&layout.slots[layout.own()..]);
         Self {
             n: layout.own(),
+            asked: asked.iter().copied().filter(|k| *k < span).collect(),
             newton: newton_steps(&known.inverse, &known.basis, &residual),
             inverse: known.inverse.clone(),
             rates: known.rates.clone(),
             about: known.about.clone(),
-            span: region.span_of(&layout.slots[layout.own()..]),
-            sides: region.count,
+            span,
         }
     }
 
@@ -160,41 +162,50 @@ impl Centre {
         Ok(Varying { rows, entries, a })
     }
 
-    /// A, G and η over the box.
-    pub fn map<F: DimensionForm>(
+    /// G over the box, unknown after unknown, by the dimensions that are asked for.
+    pub fn changes<F: DimensionForm>(
         &self,
         layout: &Layout,
         basis: &[usize],
         region: &Region<F>,
-        varying: Varying<F>,
-    ) -> Mapped<F> {
-        let (n, span) = (self.n, region.count.min(self.span));
-        let Varying { rows, entries, a } = varying;
-        let along = self.along_tangent(layout, basis, region, &rows);
-        let mut g: Vec<F::Sum> = (0..n * span).map(|_| F::Sum::new(0.0)).collect();
-        for k in 0..span {
-            let by_rows: Vec<&F> = along.iter().skip(k).step_by(span).collect();
-            let mut sums: Vec<&mut F::Sum> = g.iter_mut().skip(k).step_by(span).collect();
+        varying: &Varying<F>,
+    ) -> Vec<F> {
+        let (n, columns) = (self.n, self.asked.len());
+        let along = self.along_tangent(layout, basis, region, &varying.rows);
+        let mut g: Vec<F::Sum> = (0..n * columns).map(|_| F::Sum::new(0.0)).collect();
+        for k in 0..columns {
+            let by_rows: Vec<&F> = along.iter().skip(k).step_by(columns).collect();
+            let mut sums: Vec<&mut F::Sum> = g.iter_mut().skip(k).step_by(columns).collect();
             F::Sum::add_scaled_to_all(&mut sums, &self.inverse, &by_rows);
         }
-        let g: Vec<F> = g.into_iter().map(F::Sum::finish).collect();
-        let rows = g.chunks_exact(span.max(1));
+        g.into_iter().map(F::Sum::finish).collect()
+    }
+
+    /// η, from G along the tangent.
+    pub fn eta<F: DimensionForm>(&self, g: &[F]) -> Vec<f64> {
+        let rows = g.chunks_exact(self.asked.len().max(1));
         let open = rows.map(|row| {
             let open = |g: &F| g.nominal().abs() + 0.5 * g.radius() + g.beyond();
             row.iter().map(open).sum::<f64>()
         });
-        let open = open.chain(std::iter::repeat(0.0));
-        let eta = self.newton.iter().zip(open);
-        let places = [self.sides, n];
+        let eta = self.newton.iter().zip(open.chain(std::iter::repeat(0.0)));
+        eta.map(|(newton, open)| (newton + open) * GROW).collect()
+    }
+
+    /// A and G over the box, with the effects of its sides apart.
+    pub fn mapped<F: DimensionForm>(&self, varying: Varying<F>, g: Vec<F>) -> Mapped<F> {
+        let Varying { entries, a, .. } = varying;
+        let n = self.n;
+        // To the first order only magnitudes of A are needed.
+        let entries = if F::BENT { entries } else { Vec::new() };
         Mapped {
-            eta: eta.map(|(newton, open)| (newton + open) * GROW).collect(),
-            g: SidedForms::new(g.into_iter(), span, self.span, places),
-            entries: SidedForms::new(entries.into_iter(), n, self.span, places),
+            g: SidedForms::new(g.into_iter(), self.asked.len(), self.span, n),
+            entries: SidedForms::new(entries.into_iter(), n, self.span, n),
             a,
         }
     }
 
-    /// J S + Fₖ: how the rows of the basis change with the dimensions that the block depends on, along the tangent.
+    /// J S + Fₖ: how the rows of the basis change along the tangent with the dimensions that are asked for.
     fn along_tangent<F: DimensionForm>(
         &self,
         layout: &Layout,
@@ -202,31 +213,28 @@ impl Centre {
         region: &Region<F>,
         rows: &Rows<F>,
     ) -> Vec<F> {
-        let (n, m, span) = (self.n, region.count, region.count.min(self.span));
+        let (n, m, columns) = (self.n, region.count, layout.slots.len());
         let zero = F::number(0.0);
-        let mut all = Vec::with_capacity(n * span);
+        let mut all = Vec::with_capacity(n * self.asked.len());
         for row in basis {
-            let by_slot = layout
-                .slots
+            let (own, others) = rows.jacobian[row * columns..][..columns].split_at(n);
+            let others = layout.slots[n..]
                 .iter()
-                .zip(&rows.jacobian[row * layout.slots.len()..]);
-            let by_slot = by_slot.enumerate().filter(|(_, (_, by))| **by != zero);
-            let (own, others): (Vec<_>, Vec<_>) = by_slot.partition(|(column, _)| *column < n);
-            let others: Vec<(usize, F)> = others
+                .copied()
+                .zip(others.iter().copied());
+            let others: Vec<(usize, F)> = others.filter(|(_, by)| *by != zero).collect();
+            let by_slots = region.chain(&others, self.asked.iter().copied());
+            let mut sums: Vec<F::Sum> = by_slots.iter().map(|_| F::Sum::new(0.0)).collect();
+            for (sum, by) in sums.iter_mut().zip(&by_slots) {
+                sum.add_scaled(1.0, by);
+            }
+            let own = || own.iter().enumerate().filter(|(_, by)| **by != zero);
+            let rates = self
+                .asked
                 .iter()
-                .map(|(_, (slot, by))| (**slot, **by))
-                .collect();
-            let by_dimension = region.chain(&others);
-            let mut sums: Vec<F::Sum> = (by_dimension.iter().take(span))
-                .map(|by| {
-                    let mut sum = F::Sum::new(0.0);
-                    sum.add_scaled(1.0, by);
-                    sum
-                })
-                .collect();
-            let rates = (0..span).flat_map(|k| own.iter().map(move |(column, _)| column * m + k));
+                .flat_map(|k| own().map(move |(j, _)| j * m + k));
             let rates: Vec<f64> = rates.map(|place| self.rates[place]).collect();
-            let by_own: Vec<&F> = own.iter().map(|(_, (_, by))| *by).collect();
+            let by_own: Vec<&F> = own().map(|(_, by)| by).collect();
             let mut list: Vec<&mut F::Sum> = sums.iter_mut().collect();
             F::Sum::add_scaled_to_all(&mut list, &rates, &by_own);
             all.extend(sums.into_iter().map(F::Sum::finish));

@@ -27,8 +27,11 @@ pub trait DimensionForm: Scalar + SummedForm {
     /// The same with its error as the change along a number of its own, `index`, if there is room for it.
     fn marked(self, index: usize) -> Self;
 
-    /// The same without its slopes along numbers from `first` on; other terms with these numbers go into the error.
+    /// The same without its terms with numbers from `first` on.
     fn cut(self, first: usize) -> Self;
+
+    /// Bound of its terms with number `index` and those before it.
+    fn effect_of(&self, index: usize) -> f64;
 
     /// Its terms of first and second order alone.
     fn bare(self) -> Self;
@@ -54,7 +57,7 @@ pub trait DimensionForm: Scalar + SummedForm {
 }
 
 /// Forms whose coefficients lie in a room.
-pub trait StoredForm<'r>: DimensionForm {
+pub trait StoredForm<'r>: DimensionForm + From<AffineForm<'r>> {
     /// A number within `error` of `value`, with the given slopes by the dimensions.
     fn linear(room: &'r FormRoom, value: f64, slopes: &[f64], error: f64) -> Self;
 
@@ -93,6 +96,10 @@ impl DimensionForm for AffineForm<'_> {
 
     fn cut(self, first: usize) -> Self {
         self.cut(first)
+    }
+
+    fn effect_of(&self, index: usize) -> f64 {
+        self.slope(index).abs()
     }
 
     fn bare(mut self) -> Self {
@@ -154,6 +161,10 @@ impl DimensionForm for QuadraticForm<'_> {
 
     fn cut(self, first: usize) -> Self {
         self.cut(first)
+    }
+
+    fn effect_of(&self, index: usize) -> f64 {
+        self.effect_of(index)
     }
 
     fn bare(mut self) -> Self {

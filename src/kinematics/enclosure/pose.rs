@@ -23,6 +23,10 @@ const ROUGH: f64 = 1e-3;
 /// Most numbers of forms of second order: a form takes four times the square of it in bytes.
 const MOST_BENT: usize = 36;
 
+/// Rounds of a refinement: one makes nearly all bands of poses as narrow as their pieces; measures over many poses need the
+/// others, and after three nothing more was gained.
+pub const REFINING: [usize; 2] = [1, 3];
+
 /// What is enclosed.
 #[derive(Clone, Copy, Debug)]
 pub struct Sought<'p> {
@@ -82,7 +86,10 @@ impl<'s> Encloser<'s> {
         let Rooms { work, kept } = rooms;
         match self.enclose_plainly(sought, Rooms { work, kept }) {
             // If the second order of the Jacobian makes the boxes wide, it is kept.
-            Ok((plain, true)) => Ok(self.refined(&plain, Rooms { work, kept })),
+            Ok((plain, true)) => {
+                let all: Vec<usize> = (0..plain.region.count).collect();
+                Ok(self.refined(&plain, Rooms { work, kept }, (&all, REFINING[1])))
+            }
             Ok((plain, false)) => Ok(plain),
             Err(unbounded) if unbounded.reason == Reason::Singular && kept.count() <= MOST_BENT => {
                 work.empty(kept.count());
@@ -126,21 +133,30 @@ impl<'s> Encloser<'s> {
         }
     }
 
-    /// A first-order enclosure that keeps terms of second order.
+    /// A first-order enclosure whose derivatives by some dimensions keep terms of second order, in one of the numbers of rounds of
+    /// [`REFINING`]; all of them for more than one.
     pub fn refined<'r>(
         &self,
         plain: &PoseEnclosure,
         Rooms { work, kept }: Rooms<'_, 'r>,
+        sought: (&[usize], usize),
     ) -> PoseEnclosure<'r> {
-        // What the sides of boxes change to the second order is too small to be kept.
-        work.empty_bent(kept.count(), plain.region.count);
-        self.kept(self.refined_region(&plain.region, &*work), kept)
+        work.empty(kept.count());
+        self.kept(self.refined_region(&plain.region, &*work, sought), kept)
+    }
+
+    /// Whether a refinement changes the derivatives of a slot.
+    pub fn refines(&self, plain: &PoseEnclosure, slot: usize) -> bool {
+        let blocks = self.layouts.iter().zip(&plain.region.boxes);
+        let mut own = blocks.filter(|(layout, _)| layout.block.unknowns.contains(&slot));
+        own.next().is_none_or(|(_, known)| known.roughness > ROUGH)
     }
 
     fn refined_region<'w>(
         &self,
         plain: &Region<'w, AffineForm<'w>>,
         room: &'w FormRoom,
+        sought: (&[usize], usize),
     ) -> Region<'w, AffineForm<'w>> {
         let mechanism = self.system.mechanism();
         let (unknowns, coordinates) = (mechanism.unknowns.len(), mechanism.coordinate_count());
@@ -165,11 +181,11 @@ impl<'s> Encloser<'s> {
         // With these forms the blocks are enclosed once more, in the boxes that are proved already.
         for (layout, known) in self.layouts.iter().zip(&plain.boxes) {
             if known.roughness > ROUGH {
-                refine_block(layout, known, &mut region);
+                refine_block(layout, known, &mut region, sought);
             }
         }
         // Traces and outputs follow from the coordinates; then second-order terms are bounded again.
-        show_all(mechanism, &mut region);
+        show_all(mechanism, &mut region, (sought.0, Some(plain)));
         plain_region(region)
     }
 
@@ -192,7 +208,8 @@ impl<'s> Encloser<'s> {
         for (layout, basis) in self.layouts.iter().zip(sought.bases) {
             roughness = roughness.max(enclose_block(mechanism, layout, basis, &mut region)?);
         }
-        show_all(mechanism, &mut region);
+        let all: Vec<usize> = (0..region.count).collect();
+        show_all(mechanism, &mut region, (&all, None));
         Ok((region, roughness))
     }
 }
@@ -210,18 +227,44 @@ fn plain_region<'r>(region: Region<'r, QuadraticForm<'r>>) -> Region<'r, AffineF
     }
 }
 
+/// Dimensions by which derivatives are sought, and an enclosure with the others.
+type AskedRates<'a, 'r> = (&'a [usize], Option<&'a Region<'r, AffineForm<'r>>>);
+
+/// Derivatives of the next slot, a function of others with this gradient.
+fn next_rates<'r, F: StoredForm<'r>>(
+    region: &Region<'r, F>,
+    gradient: &[(usize, F)],
+    (asked, known): AskedRates<'_, 'r>,
+) -> Vec<F> {
+    let rates = region.chain(gradient, asked.iter().copied());
+    let Some(known) = known else {
+        return rates;
+    };
+    let others = known.rates_of(region.slots.len()).iter();
+    let mut all: Vec<F> = others
+        .map(|rate| rate.working_in(region.room).into())
+        .collect();
+    for (k, rate) in asked.iter().zip(rates) {
+        all[*k] = rate;
+    }
+    all
+}
+
 /// Appends x, y, z of every trace and all outputs.
-fn show_all<'r, F: StoredForm<'r>>(mechanism: &Mechanism, region: &mut Region<'r, F>) {
+fn show_all<'r, F: StoredForm<'r>>(
+    mechanism: &Mechanism,
+    region: &mut Region<'r, F>,
+    asked: AskedRates<'_, 'r>,
+) {
     let centre = observed_slots(mechanism, &region.centre());
-    show_traces(mechanism, region, &centre);
+    show_traces(mechanism, region, &centre, asked);
     for (output, place) in mechanism.outputs.iter().zip(region.slots.len()..) {
-        let rates = match &output.source {
-            OutputSource::Formula(formula) => {
-                region.chain(&expression_gradient(formula, &region.slots))
-            }
+        let gradient = match &output.source {
+            OutputSource::Formula(formula) => expression_gradient(formula, &region.slots),
             // A distance or a rate is not bounded here.
-            OutputSource::Distance(_) | OutputSource::Rated(_) => region.chain(&[]),
+            OutputSource::Distance(_) | OutputSource::Rated(_) => Vec::new(),
         };
+        let rates = next_rates(region, &gradient, asked);
         region.push(centre[place], rates);
     }
 }
@@ -231,6 +274,7 @@ fn show_traces<'r, F: StoredForm<'r>>(
     mechanism: &Mechanism,
     region: &mut Region<'r, F>,
     centre: &[Interval],
+    asked: AskedRates<'_, 'r>,
 ) {
     let coordinates = region.slots.len();
     for trace in &mechanism.traces {
@@ -258,7 +302,7 @@ fn show_traces<'r, F: StoredForm<'r>>(
             }
         });
         for gradient in gradients {
-            let rates = region.chain(&gradient);
+            let rates = next_rates(region, &gradient, asked);
             region.push(centre[region.slots.len()], rates);
         }
     }
@@ -297,7 +341,8 @@ impl<'r> PoseEnclosure<'r> {
     /// A formula of the slots as a function of the dimensions, to the first order, and its derivatives by every δ.
     pub fn formula(&self, expression: &Expression) -> (AffineForm<'r>, Vec<AffineForm<'r>>) {
         let region = &self.region;
-        let rates = region.chain(&expression_gradient(expression, &region.slots));
+        let gradient = expression_gradient(expression, &region.slots);
+        let rates = region.chain(&gradient, 0..region.count);
         let centre = expression.value(&region.centre());
         let value = centre.middle();
         let form = match centre.is_finite() {

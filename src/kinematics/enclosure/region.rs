@@ -109,8 +109,12 @@ impl<F: DimensionForm> Region<'_, F> {
             .collect()
     }
 
-    /// Derivatives by every δ of a function of slots with this `gradient`.
-    pub fn chain(&self, gradient: &[(usize, F)]) -> Vec<F> {
+    /// Derivatives by some δ of a function of slots with this `gradient`.
+    pub fn chain(
+        &self,
+        gradient: &[(usize, F)],
+        dimensions: impl Iterator<Item = usize>,
+    ) -> Vec<F> {
         let is_known: Vec<bool> = gradient.iter().map(|(_, by)| by.is_finite()).collect();
         let along = |k: usize| {
             let terms = gradient.iter().zip(&is_known);
@@ -119,6 +123,6 @@ impl<F: DimensionForm> Region<'_, F> {
             let moved = terms.filter(|(_, rate, known)| !*known || rate.as_number() != Some(0.0));
             F::sum_of_products(moved.map(|(by, rate, _)| (by, rate)))
         };
-        (0..self.count).map(along).collect()
+        dimensions.map(along).collect()
     }
 }

@@ -13,14 +13,14 @@ use super::sided::SidedBounds;
 use crate::numbers::form_sum::FormSum;
 use crate::numbers::rounding::{GROW, UNDERFLOW};
 
-/// How often the maps are narrowed with the unknowns known to second order.
-const ROUNDS: usize = 3;
-
 /// Another round must leave less than this share of what was open before.
 const GAINED: f64 = 0.9;
 
 /// Coefficients that differ by less than this share of the sides do not need another evaluation.
 const ALIKE: f64 = 1e-3;
+
+/// Nor do sides that are at least this share of what they were: what they change to the second order hardly matters.
+const NEAR: f64 = 0.8;
 
 impl Centre {
     /// The present bounds on the unknowns are of higher order than the box, so that the same maps over them are
@@ -30,12 +30,12 @@ impl Centre {
         layout: &Layout,
         basis: &[usize],
         region: &mut Region<'r, F>,
-        box_of: &[f64],
+        (box_of, rounds): (&[f64], usize),
     ) -> bool {
         let own = &layout.block.unknowns;
         let mut open = self.open(layout, region);
         let mut last: Option<Evaluated<F>> = None;
-        for round in 0..ROUNDS {
+        for round in 0..rounds {
             let known: Vec<F> = own.iter().map(|slot| region.slots[*slot]).collect();
             let shares = last.as_ref().and_then(|last| last.shares(&known));
             let evaluated = match (last.take(), shares) {
@@ -67,15 +67,18 @@ impl Centre {
     ) -> Option<(Evaluated<F>, Vec<f64>)> {
         let own = &layout.block.unknowns;
         for (i, slot) in own.iter().enumerate() {
-            region.slots[*slot] = known[i].marked(self.sides + i);
+            region.slots[*slot] = known[i].marked(self.span + i);
         }
         let varying = self.varying(layout, basis, region);
-        let mapped = varying.map(|varying| self.map(layout, basis, region, varying));
+        let mapped = varying.map(|varying| {
+            let g = self.changes(layout, basis, region, &varying);
+            self.mapped(varying, g)
+        });
         for (slot, form) in own.iter().zip(&known) {
             region.slots[*slot] = *form;
         }
         let mapped = mapped.ok()?;
-        let has_sides = self.sides + self.n <= region.room.count();
+        let has_sides = self.span + self.n <= region.room.count();
         let evaluated = Evaluated {
             bends: self.bends(&mapped),
             mapped,
@@ -119,7 +122,7 @@ impl Centre {
         &self,
         layout: &Layout,
         region: &mut Region<'r, F>,
-        mapped: &Mapped<F>,
+        (mapped, eta): (&Mapped<F>, &[f64]),
         box_of: &[f64],
     ) {
         let m = region.count;
@@ -138,7 +141,7 @@ impl Centre {
         self.write_slots(layout, region, &mapped.a, box_of);
         // A few more Krawczyk steps shrink the box that maps into itself. The plain tangent with this box may be tighter
         // than the mean value form.
-        let narrowed = (0..SWEEPS).fold(box_of.to_vec(), |w, _| mapped.a.image(&mapped.eta, &w));
+        let narrowed = (0..SWEEPS).fold(box_of.to_vec(), |w, _| mapped.a.image(eta, &w));
         for (i, slot) in layout.block.unknowns.iter().enumerate() {
             let form = &mut region.slots[*slot];
             if form.beyond() > narrowed[i] {
@@ -222,14 +225,11 @@ impl Centre {
         bends: &[F],
         beyond: &[f64],
     ) {
-        let (m, span) = (region.count, region.count.min(self.span));
+        let (m, columns) = (region.count, self.asked.len());
         for (i, slot) in layout.block.unknowns.iter().enumerate() {
-            for k in 0..m {
+            for (place, k) in (i * columns..).zip(&self.asked) {
                 let rate = F::number(self.rates[i * m + k]);
-                region.rates[slot * m + k] = match k < span {
-                    true => rate + bends[i * span + k].opened(beyond[i * span + k]),
-                    false => rate,
-                };
+                region.rates[slot * m + k] = rate + bends[place].opened(beyond[place]);
             }
         }
     }
@@ -269,7 +269,8 @@ impl<F: DimensionForm> Evaluated<F> {
             let (side, apart) = (before.rest(), before.apart(now));
             let reach = (now.rest() + apart) * GROW;
             let share = if side > 0.0 { reach / side * GROW } else { 1.0 };
-            (self.has_sides && apart <= ALIKE * reach).then(|| share.min(1.0))
+            let is_near = share >= NEAR && apart <= ALIKE * reach;
+            (self.has_sides && is_near).then(|| share.min(1.0))
         };
         self.known.iter().zip(now).map(share).collect()
     }

@@ -12,7 +12,7 @@ pub struct SidedForms<F> {
     pub columns: usize,
     /// Bounds of the linear parts.
     pub radii: Vec<f64>,
-    /// Bounds of everything else except what the sides change to the first order: in all, and without coefficients.
+    /// Bounds of everything else except what the sides change: in all, and without coefficients.
     beyond: [Vec<f64>; 2],
     /// Changes along every side, form after form.
     sides: Vec<f64>,
@@ -29,13 +29,8 @@ pub struct SidedBounds {
 }
 
 impl<F: DimensionForm> SidedForms<F> {
-    /// Forms that depend on the first `span` numbers and on the `sides` that follow from number `first` on.
-    pub fn new(
-        forms: impl Iterator<Item = F>,
-        columns: usize,
-        span: usize,
-        [first, sides]: [usize; 2],
-    ) -> Self {
+    /// Forms that depend on the first `span` numbers and on as many `sides` behind them.
+    pub fn new(forms: impl Iterator<Item = F>, columns: usize, span: usize, sides: usize) -> Self {
         let mut all = Self {
             list: Vec::with_capacity(forms.size_hint().0),
             columns,
@@ -45,15 +40,10 @@ impl<F: DimensionForm> SidedForms<F> {
         };
         for form in forms {
             let kept = form.cut(span);
-            let mut beside = kept.nominal().abs();
-            for (k, slope) in form.slopes().iter().enumerate().skip(span) {
-                match (first..first + sides).contains(&k) {
-                    true => all.sides.push(slope.abs()),
-                    false => beside += slope.abs(),
-                }
-            }
+            let beside = kept.nominal().abs();
+            let own = span..span + sides;
+            all.sides.extend(own.map(|index| form.effect_of(index)));
             all.list.push(kept);
-            all.sides.resize(all.list.len() * sides, 0.0);
             all.radii.push(kept.radius());
             let beyond = [kept.beyond(), kept.rest()].map(|rest| (beside + rest) * GROW);
             let lists = all.beyond.iter_mut().zip(beyond);

@@ -121,14 +121,6 @@ impl<'r> AffineForm<'r> {
         }
     }
 
-    /// The same with everything that depends on numbers from `first` on moved into the error.
-    pub fn folded(self, first: usize) -> Self {
-        let beyond = self.slopes.get(first..).map_or(0.0, sum_of_magnitudes) * GROW;
-        let mut folded = self.cut(first);
-        folded.error = (folded.error + beyond) * GROW;
-        folded
-    }
-
     /// The same without its slopes along numbers from `first` on.
     pub fn cut(self, first: usize) -> Self {
         match self.slopes.split_at_checked(first) {
@@ -138,14 +130,6 @@ impl<'r> AffineForm<'r> {
                 ..self
             },
             _ => self,
-        }
-    }
-
-    /// The slopes along the first numbers, and a bound of the others together.
-    pub(super) fn split_slopes(&self, first: usize) -> (&'r [f64], f64) {
-        match self.slopes.split_at_checked(first) {
-            Some((own, others @ [_, ..])) => (trimmed(own), sum_of_magnitudes(others) * GROW),
-            _ => (self.slopes, 0.0),
         }
     }
 

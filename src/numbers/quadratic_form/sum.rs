@@ -3,7 +3,7 @@
 use super::{OF_PRODUCT, QuadraticForm};
 use crate::numbers::affine_form::AffineForm;
 use crate::numbers::affine_form::sum::AffineSum;
-use crate::numbers::form_room::{FormRoom, packed_length};
+use crate::numbers::form_room::packed_length;
 use crate::numbers::form_sum::{FormSum, SummedForm};
 use crate::numbers::lists::{
     FactorLists, add_combinations, add_long_list, add_symmetric_product, add_symmetric_products,
@@ -11,6 +11,7 @@ use crate::numbers::lists::{
 };
 use crate::numbers::rounding::UNDERFLOW;
 use crate::numbers::scalar::Sign;
+use std::borrow::Cow;
 
 /// A value below this share of a form's slopes does not multiply second-order coefficients one by one.
 const NEGLIGIBLE: f64 = 1e-6;
@@ -60,27 +61,19 @@ impl<'r> QuadraticSum<'r> {
 
     /// Adds the terms of second order from the slopes of both factors; returns a bound of what finds no space.
     fn add_product_of_slopes(&mut self, sign: Sign, a: &AffineForm<'r>, b: &AffineForm<'r>) -> f64 {
-        let first = self.bent();
-        let ((x, far), (y, wide)) = (a.split_slopes(first), b.split_slopes(first));
-        // Products with numbers that have no terms of second order.
-        let lost = far * b.radius() + wide * a.radius();
+        let (x, y) = (a.slopes(), b.slopes());
         if x.is_empty() || y.is_empty() {
-            return lost;
+            return 0.0;
         }
         let span = x.len().max(y.len());
         match self.widen(packed_length(span)) {
             Some(bends) => {
                 let (x, y) = (in_lanes(x, 1.0, span), in_lanes(y, sign.factor(), span));
                 add_symmetric_product(bends, &x, &y, span);
-                lost
+                0.0
             }
             None => a.radius() * b.radius(),
         }
-    }
-
-    /// How many numbers have terms of second order.
-    fn bent(&self) -> usize {
-        self.line.room().map_or(0, FormRoom::bent)
     }
 
     /// Adds the values of both factors times the terms of second order of the other; returns a bound of what is negligible.
@@ -104,9 +97,8 @@ impl<'r> QuadraticSum<'r> {
         let [p, q] = both;
         match self.line.room() {
             Some(room) if self.bends.capacity() == 0 => {
-                let slopes = [a, b].map(|form| form.line.split_slopes(room.bent()).0.len());
-                let length = packed_length(slopes[0].max(slopes[1]));
-                let length = length.max(p.1.len()).max(q.1.len());
+                let spans = a.line.slopes().len().max(b.line.slopes().len());
+                let length = packed_length(spans).max(p.1.len()).max(q.1.len());
                 if length > 0 {
                     self.bends = room.bends().unset(length);
                     set_to_two(&mut self.bends, p, q);
@@ -236,7 +228,10 @@ impl<'r> FormSum for QuadraticSum<'r> {
             return;
         }
         let rows = factors.chunks_exact(forms.len().max(1));
-        let factors: Vec<f64> = rows.flat_map(|row| bent().map(|(k, _)| row[k])).collect();
+        let factors: Cow<[f64]> = match lists.len() == forms.len() {
+            true => factors.into(),
+            false => rows.flat_map(|row| bent().map(|(k, _)| row[k])).collect(),
+        };
         let are_unset = sums.iter().all(|sum| sum.bends.capacity() == 0);
         let bends = sums.iter_mut().map(|sum| match are_unset {
             true => sum.unset(length),
