@@ -101,30 +101,20 @@ impl<'r> QuadraticForm<'r> {
         self.bends
     }
 
-    /// The same without its terms with numbers from `first` on.
-    pub fn cut(self, first: usize) -> Self {
-        let line = self.line.cut(first);
-        match self.bends.split_at_checked(packed_length(first)) {
-            Some((bends, [_, ..])) => {
-                let bend = long_sum_of_magnitudes(bends) * GROW;
-                Self { line, bends, bend }
-            }
-            _ => Self { line, ..self },
-        }
-    }
-
-    /// Bound of its terms with number `index` and those before it.
-    pub fn effect_of(&self, index: usize) -> f64 {
-        let end = self.bends.len().min(packed_length(index + 1));
-        let bends = self.bends.get(packed_length(index)..end);
-        (self.line.slope(index).abs() + bends.map_or(0.0, long_sum_of_magnitudes)) * GROW
-    }
-
-    /// How far the coefficients of two forms are apart, in all.
-    pub fn apart(&self, b: &Self) -> f64 {
-        let lists = [(self.line.slopes(), b.line.slopes()), (self.bends, b.bends)];
-        let apart = lists.map(|(a, b)| distance_of_lists(a, b));
-        ((self.line.value - b.line.value).abs() + apart.iter().sum::<f64>()) * GROW
+    /// The same with everything that depends on numbers from `first` on moved into the error.
+    pub fn folded(self, first: usize) -> Self {
+        let line = self.line.folded(first);
+        let Some((kept, moved)) = self.bends.split_at_checked(packed_length(first)) else {
+            return Self { line, ..self };
+        };
+        let mut folded = Self {
+            line,
+            bends: kept,
+            bend: long_sum_of_magnitudes(kept) * GROW,
+        };
+        let beyond = long_sum_of_magnitudes(moved) * GROW;
+        folded.line.error = (folded.line.error + beyond) * GROW;
+        folded
     }
 
     /// How many of the first numbers it depends on.
@@ -180,8 +170,8 @@ impl<'r> QuadraticForm<'r> {
             slope.distance(rate) * wide,
             rate.abs() * line.error,
             0.5 * here.abs() * beyond * (2.0 * radius + beyond),
-            // The third derivative is minus the first, and no slope changes by more than the range.
-            (rate.abs() + slope.distance(rate) + wide).min(1.0) * wide * wide * wide / 6.0,
+            // No derivative is above one.
+            wide * wide * wide / 6.0,
             OF_PRODUCT * (rate.abs() * wide + here.abs() * radius * radius),
             lost,
             UNDERFLOW,
@@ -190,14 +180,6 @@ impl<'r> QuadraticForm<'r> {
         let line = line.with_each_slope(|slope| rate * slope, here, error);
         Self::from(line).bent(bends)
     }
-}
-
-/// Σ |a - b|; the shorter list ends with zeros.
-fn distance_of_lists(a: &[f64], b: &[f64]) -> f64 {
-    let (own, more) = a.split_at(a.len().min(b.len()));
-    let (beside, others) = b.split_at(own.len());
-    let pairs = own.iter().zip(beside).map(|(a, b)| (a - b).abs());
-    pairs.sum::<f64>() + long_sum_of_magnitudes(more) + long_sum_of_magnitudes(others)
 }
 
 mod operations;

@@ -73,11 +73,10 @@ pub fn enclose_measures(
     if !is_rough.contains(&true) || first.iter().all(sharp) {
         return Ok(list(&first));
     }
-    let all: Vec<usize> = (0..plan.dimensions.len()).collect();
     let mut enclosures = Vec::new();
     for (known, rough) in plain.into_iter().zip(is_rough) {
         enclosures.push(match rough {
-            true => search.finder.refined(&known, &room, (&all, REFINING[1])),
+            true => search.finder.refined(&known, &room, REFINING[1]),
             false => known,
         });
     }

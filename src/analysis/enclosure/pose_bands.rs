@@ -18,7 +18,6 @@ use crate::numbers::form_room::FormRoom;
 use crate::numbers::interval::Interval;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
 use crate::numbers::scalar::Scalar;
-use std::cell::Cell;
 
 /// The range of one number over all pieces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -168,15 +167,15 @@ impl<'f> PieceFinder<'f> {
         )
     }
 
-    /// A first-order enclosure whose derivatives by some dimensions keep terms of second order, in so many rounds.
+    /// A first-order enclosure that keeps terms of second order, in so many rounds.
     pub fn refined<'r>(
         &mut self,
         plain: &PoseEnclosure,
         kept: &'r FormRoom,
-        sought: (&[usize], usize),
+        rounds: usize,
     ) -> PoseEnclosure<'r> {
         let [work, _] = &mut self.space.rooms;
-        self.encloser.refined(plain, Rooms { work, kept }, sought)
+        self.encloser.refined(plain, Rooms { work, kept }, rounds)
     }
 
     /// The same with first-order forms only; also returns whether second-order forms would be tried.
@@ -217,20 +216,19 @@ impl<'f> PieceFinder<'f> {
         // The plain enclosure first; the refined one costs several times as much.
         let Ok((plain, is_rough)) = self.enclosed_plainly(pose, room) else {
             let enclosure = self.enclosed(pose, room)?;
-            return Ok(self.bands_within(&enclosure, anchor, &mut found).0);
+            return Ok(self.bands_within(&enclosure, anchor, &mut found));
         };
-        let (mut bands, open) = self.bands_within(&plain, anchor, &mut found);
+        let mut bands = self.bands_within(&plain, anchor, &mut found);
         let size = self.plan.family.mechanism().size;
         let sharp =
             |band: &ValueBand| is_sharp([band.lo, band.hi], band.found, band.nominal.abs() + size);
-        let all: Vec<usize> = (0..self.plan.dimensions.len()).collect();
-        for sought in [(&open, REFINING[0]), (&all, REFINING[1])] {
+        for rounds in REFINING {
             if !is_rough || bands.list.iter().all(sharp) {
                 break;
             }
             // All of them enclose all pieces, so that their intersection does.
-            let enclosure = self.refined(&plain, room, (sought.0, sought.1));
-            let (refined, _) = self.bands_within(&enclosure, anchor, &mut found);
+            let enclosure = self.refined(&plain, room, rounds);
+            let refined = self.bands_within(&enclosure, anchor, &mut found);
             for (band, other) in bands.list.iter_mut().zip(&refined.list) {
                 *band = band.narrowed(other);
             }
@@ -238,14 +236,13 @@ impl<'f> PieceFinder<'f> {
         Ok(bands)
     }
 
-    /// Bands from an enclosure and the pieces at their ends, among which are those `found` in other enclosures of the pose; and the
-    /// dimensions whose derivatives a refinement would have to know better.
+    /// Bands from an enclosure and the pieces at their ends, among which are those `found` in other enclosures of the pose.
     fn bands_within(
         &mut self,
         enclosure: &PoseEnclosure,
         anchor: Option<&AnchorPose>,
         found: &mut FoundPieces,
-    ) -> (Bands, Vec<usize>) {
+    ) -> Bands {
         let mechanism = self.plan.family.mechanism();
         let unknowns = 0..mechanism.unknowns.len();
         let shown = unknowns.chain(mechanism.coordinate_count()..enclosure.len());
@@ -268,7 +265,6 @@ impl<'f> PieceFinder<'f> {
         let found = &*found;
         // What has no bound at δ = 0, at a jump say, has a value there.
         let middle = enclosure.middle();
-        let is_loose = Cell::new(false);
         let band = |((slot, function), faces): (&(usize, QuadraticBound), &[BoxFace; 2])| {
             let nominal = match function.open.is_finite() {
                 true => function.value,
@@ -295,8 +291,6 @@ impl<'f> PieceFinder<'f> {
             let [lo, hi] = match ends {
                 [Some(lo), Some(hi)] if lo.is_finite() && hi.is_finite() => [lo, hi],
                 _ => {
-                    // Such a band depends on all derivatives.
-                    is_loose.set(true);
                     let range = function.range();
                     [range.lo, range.hi]
                 }
@@ -308,17 +302,9 @@ impl<'f> PieceFinder<'f> {
                 found: reached,
             }
         };
-        let list = functions.iter().zip(&faces).map(band).collect();
-        let is_open = |k: &usize| {
-            let of = |((slot, function), faces): (&(usize, QuadraticBound), &[BoxFace; 2])| {
-                let moves = function.rates[*k].as_number() != Some(0.0);
-                let is_open = faces.iter().any(|face| face.middle[*k] == 0.0);
-                moves && is_open && self.encloser.refines(enclosure, *slot)
-            };
-            is_loose.get() || functions.iter().zip(&faces).any(of)
-        };
-        let open = (0..self.plan.dimensions.len()).filter(is_open);
-        (Bands { list }, open.collect())
+        Bands {
+            list: functions.iter().zip(&faces).map(band).collect(),
+        }
     }
 
     /// The value of a slot at a pose.

@@ -44,7 +44,7 @@ const ATTEMPTS: usize = 10;
 /// A box whose image takes more than this share of it is tight enough.
 const SHARP: f64 = 0.6;
 
-/// How often the maps are narrowed with the unknowns known to second order.
+/// How often the maps are repeated with the unknowns known to second order.
 const POLISHING: usize = 2;
 
 /// Why there is no box.
@@ -92,16 +92,16 @@ pub fn enclose_block<'r, F: StoredForm<'r>>(
     Ok(roughness)
 }
 
-/// Encloses the block's unknowns and their derivatives by some dimensions again in at most so many rounds, with all slots known:
-/// to second order if the first left much open.
+/// Encloses the block's unknowns again in at most so many rounds, with all slots known: to second order if the first left
+/// much open.
 pub fn refine_block<'r, F: StoredForm<'r>>(
     layout: &Layout,
     known: &BlockBox,
     region: &mut Region<'r, F>,
-    (asked, rounds): (&[usize], usize),
+    rounds: usize,
 ) {
     let open = region.open.clone();
-    let centre = Centre::of_box(layout, known, region, asked);
+    let centre = Centre::of_box(layout, known, region);
     if !centre.polish(layout, &known.basis, region, (&known.sides, rounds)) {
         region.open = open;
     }

@@ -5,7 +5,6 @@ use super::form::DimensionForm;
 use super::mapped::{Contraction, Mapped};
 use super::region::Region;
 use super::rows::{Layout, Rows};
-use super::sided::SidedForms;
 use crate::kinematics::results::certificate::Reason;
 use crate::linalg::gauss_jordan::GaussJordan;
 use crate::linalg::lanes::LaneMatrix;
@@ -28,8 +27,6 @@ pub struct Centre {
     pub about: Vec<[f64; 3]>,
     /// How many of the first δ the block depends on; the sides of its box are the numbers that follow.
     pub span: usize,
-    /// Those of them by which derivatives are sought.
-    pub asked: Vec<usize>,
 }
 
 /// The Jacobian where the unknowns are sought.
@@ -103,16 +100,19 @@ impl Centre {
             rates,
             about,
             span,
-            asked: (0..region.count.min(span)).collect(),
         })
     }
 
-    /// Those of a box that is proved already, for the derivatives by some dimensions.
+    /// How many dimensions the block depends on.
+    pub fn columns(&self) -> usize {
+        self.span.min(self.rates.len() / self.n.max(1))
+    }
+
+    /// Those of a box that is proved already.
     pub fn of_box<F: DimensionForm>(
         layout: &Layout,
         known: &BlockBox,
         region: &mut Region<F>,
-        asked: &[usize],
     ) -> Self {
         for slot in &layout.block.unknowns {
             // The centre of the box is exactly this pose.
@@ -122,7 +122,6 @@ impl Centre {
         let span = region.span_of(&layout.slots[layout.own()..]);
         Self {
             n: layout.own(),
-            asked: asked.iter().copied().filter(|k| *k < span).collect(),
             newton: newton_steps(&known.inverse, &known.basis, &residual),
             inverse: known.inverse.clone(),
             rates: known.rates.clone(),
@@ -162,7 +161,7 @@ impl Centre {
         Ok(Varying { rows, entries, a })
     }
 
-    /// G over the box, unknown after unknown, by the dimensions that are asked for.
+    /// G over the box, unknown after unknown, by the dimensions that the block depends on. What its sides change is bounded.
     pub fn changes<F: DimensionForm>(
         &self,
         layout: &Layout,
@@ -170,7 +169,7 @@ impl Centre {
         region: &Region<F>,
         varying: &Varying<F>,
     ) -> Vec<F> {
-        let (n, columns) = (self.n, self.asked.len());
+        let (n, columns) = (self.n, self.columns());
         let along = self.along_tangent(layout, basis, region, &varying.rows);
         let mut g: Vec<F::Sum> = (0..n * columns).map(|_| F::Sum::new(0.0)).collect();
         for k in 0..columns {
@@ -178,12 +177,13 @@ impl Centre {
             let mut sums: Vec<&mut F::Sum> = g.iter_mut().skip(k).step_by(columns).collect();
             F::Sum::add_scaled_to_all(&mut sums, &self.inverse, &by_rows);
         }
-        g.into_iter().map(F::Sum::finish).collect()
+        let folded = |sum: F::Sum| sum.finish().folded(self.span);
+        g.into_iter().map(folded).collect()
     }
 
     /// η, from G along the tangent.
     pub fn eta<F: DimensionForm>(&self, g: &[F]) -> Vec<f64> {
-        let rows = g.chunks_exact(self.asked.len().max(1));
+        let rows = g.chunks_exact(self.columns().max(1));
         let open = rows.map(|row| {
             let open = |g: &F| g.nominal().abs() + 0.5 * g.radius() + g.beyond();
             row.iter().map(open).sum::<f64>()
@@ -192,20 +192,20 @@ impl Centre {
         eta.map(|(newton, open)| (newton + open) * GROW).collect()
     }
 
-    /// A and G over the box, with the effects of its sides apart.
+    /// A and G over the box, for the dimensions alone.
     pub fn mapped<F: DimensionForm>(&self, varying: Varying<F>, g: Vec<F>) -> Mapped<F> {
         let Varying { entries, a, .. } = varying;
-        let n = self.n;
         // To the first order only magnitudes of A are needed.
         let entries = if F::BENT { entries } else { Vec::new() };
+        let folded = entries.into_iter().map(|entry| entry.folded(self.span));
         Mapped {
-            g: SidedForms::new(g.into_iter(), self.asked.len(), self.span, n),
-            entries: SidedForms::new(entries.into_iter(), n, self.span, n),
+            g,
+            entries: folded.collect(),
             a,
         }
     }
 
-    /// J S + Fₖ: how the rows of the basis change along the tangent with the dimensions that are asked for.
+    /// J S + Fₖ: how the rows of the basis change along the tangent with the dimensions that the block depends on.
     fn along_tangent<F: DimensionForm>(
         &self,
         layout: &Layout,
@@ -214,8 +214,8 @@ impl Centre {
         rows: &Rows<F>,
     ) -> Vec<F> {
         let (n, m, columns) = (self.n, region.count, layout.slots.len());
-        let zero = F::number(0.0);
-        let mut all = Vec::with_capacity(n * self.asked.len());
+        let (span, zero) = (self.columns(), F::number(0.0));
+        let mut all = Vec::with_capacity(n * span);
         for row in basis {
             let (own, others) = rows.jacobian[row * columns..][..columns].split_at(n);
             let others = layout.slots[n..]
@@ -223,16 +223,14 @@ impl Centre {
                 .copied()
                 .zip(others.iter().copied());
             let others: Vec<(usize, F)> = others.filter(|(_, by)| *by != zero).collect();
-            let by_slots = region.chain(&others, self.asked.iter().copied());
+            let by_slots = region.chain(&others);
+            let by_slots = &by_slots[..span];
             let mut sums: Vec<F::Sum> = by_slots.iter().map(|_| F::Sum::new(0.0)).collect();
-            for (sum, by) in sums.iter_mut().zip(&by_slots) {
+            for (sum, by) in sums.iter_mut().zip(by_slots) {
                 sum.add_scaled(1.0, by);
             }
             let own = || own.iter().enumerate().filter(|(_, by)| **by != zero);
-            let rates = self
-                .asked
-                .iter()
-                .flat_map(|k| own().map(move |(j, _)| j * m + k));
+            let rates = (0..span).flat_map(|k| own().map(move |(j, _)| j * m + k));
             let rates: Vec<f64> = rates.map(|place| self.rates[place]).collect();
             let by_own: Vec<&F> = own().map(|(_, by)| by).collect();
             let mut list: Vec<&mut F::Sum> = sums.iter_mut().collect();

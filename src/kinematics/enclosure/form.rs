@@ -21,26 +21,20 @@ pub trait DimensionForm: Scalar + SummedForm {
     /// Bound of everything except its value and its slopes.
     fn beyond(&self) -> f64;
 
+    /// Its terms of first and second order alone.
+    fn bare(self) -> Self;
+
+    /// Bound of what no coefficient describes, beside its value.
+    fn rest(&self) -> f64;
+
     /// The same with another value and a wider error.
     fn opened(self, by: f64) -> Self;
 
     /// The same with its error as the change along a number of its own, `index`, if there is room for it.
     fn marked(self, index: usize) -> Self;
 
-    /// The same without its terms with numbers from `first` on.
-    fn cut(self, first: usize) -> Self;
-
-    /// Bound of its terms with number `index` and those before it.
-    fn effect_of(&self, index: usize) -> f64;
-
-    /// Its terms of first and second order alone.
-    fn bare(self) -> Self;
-
-    /// Bound of everything that its coefficients do not describe.
-    fn rest(&self) -> f64;
-
-    /// How far the coefficients of two forms are apart, in all.
-    fn apart(&self, other: &Self) -> f64;
+    /// The same with everything that depends on numbers from `first` on moved into the error.
+    fn folded(self, first: usize) -> Self;
 
     /// Bound of the linear part.
     fn radius(&self) -> f64;
@@ -57,7 +51,7 @@ pub trait DimensionForm: Scalar + SummedForm {
 }
 
 /// Forms whose coefficients lie in a room.
-pub trait StoredForm<'r>: DimensionForm + From<AffineForm<'r>> {
+pub trait StoredForm<'r>: DimensionForm {
     /// A number within `error` of `value`, with the given slopes by the dimensions.
     fn linear(room: &'r FormRoom, value: f64, slopes: &[f64], error: f64) -> Self;
 
@@ -84,6 +78,15 @@ impl DimensionForm for AffineForm<'_> {
         self.error
     }
 
+    fn bare(mut self) -> Self {
+        (self.value, self.error) = (0.0, 0.0);
+        self
+    }
+
+    fn rest(&self) -> f64 {
+        self.error
+    }
+
     fn opened(mut self, by: f64) -> Self {
         self.error = (self.error + self.value.abs() + by) * GROW;
         self.value = 0.0;
@@ -94,25 +97,8 @@ impl DimensionForm for AffineForm<'_> {
         self.marked(index)
     }
 
-    fn cut(self, first: usize) -> Self {
-        self.cut(first)
-    }
-
-    fn effect_of(&self, index: usize) -> f64 {
-        self.slope(index).abs()
-    }
-
-    fn bare(mut self) -> Self {
-        (self.value, self.error) = (0.0, 0.0);
-        self
-    }
-
-    fn rest(&self) -> f64 {
-        self.error
-    }
-
-    fn apart(&self, other: &Self) -> f64 {
-        QuadraticForm::from(*self).apart(&QuadraticForm::from(*other))
+    fn folded(self, first: usize) -> Self {
+        self.folded(first)
     }
 }
 
@@ -149,6 +135,15 @@ impl DimensionForm for QuadraticForm<'_> {
         (self.line.error + self.bend()) * GROW
     }
 
+    fn bare(mut self) -> Self {
+        self.line = self.line.bare();
+        self
+    }
+
+    fn rest(&self) -> f64 {
+        self.line.error
+    }
+
     fn opened(mut self, by: f64) -> Self {
         self.line = self.line.opened(by);
         self
@@ -159,25 +154,8 @@ impl DimensionForm for QuadraticForm<'_> {
         self
     }
 
-    fn cut(self, first: usize) -> Self {
-        self.cut(first)
-    }
-
-    fn effect_of(&self, index: usize) -> f64 {
-        self.effect_of(index)
-    }
-
-    fn bare(mut self) -> Self {
-        self.line = self.line.bare();
-        self
-    }
-
-    fn rest(&self) -> f64 {
-        self.line.error
-    }
-
-    fn apart(&self, other: &Self) -> f64 {
-        self.apart(other)
+    fn folded(self, first: usize) -> Self {
+        self.folded(first)
     }
 }
 

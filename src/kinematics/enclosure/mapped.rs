@@ -1,6 +1,5 @@
 //! The map of a block's box, and bounds that follow if the box is mapped into itself.
 
-use super::sided::SidedForms;
 use crate::numbers::rounding::GROW;
 
 /// How often bounds are improved by the contraction.
@@ -9,9 +8,9 @@ pub const SWEEPS: usize = 6;
 /// The map of the box.
 pub struct Mapped<F> {
     /// G, unknown after unknown, by the dimensions that the block depends on.
-    pub g: SidedForms<F>,
+    pub g: Vec<F>,
     /// A, row after row, where forms have a second order.
-    pub entries: SidedForms<F>,
+    pub entries: Vec<F>,
     /// |A|
     pub a: Contraction,
 }

@@ -16,5 +16,4 @@ pub mod quadratic;
 pub mod region;
 pub mod rows;
 mod settled;
-mod sided;
 mod twists;

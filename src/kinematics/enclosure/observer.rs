@@ -91,8 +91,7 @@ impl<'e> Observer<'e> {
     /// A sum as a function of the dimensions; `None` if it is not bounded.
     pub fn function(&self, sum: &Directed<'e>) -> Option<QuadraticBound<'e>> {
         let value = sum.centre.middle();
-        let region = &self.enclosure.region;
-        let rates = region.chain(&sum.gradient, 0..region.count);
+        let rates = self.enclosure.region.chain(&sum.gradient);
         let bounded = sum.centre.is_finite() && rates.iter().all(|rate| rate.is_finite());
         bounded.then(|| QuadraticBound {
             value,

@@ -24,7 +24,7 @@ const ROUGH: f64 = 1e-3;
 const MOST_BENT: usize = 36;
 
 /// Rounds of a refinement: one makes nearly all bands of poses as narrow as their pieces; measures over many poses need the
-/// others, and after three nothing more was gained.
+/// others, which double the time, and after three nothing more was gained.
 pub const REFINING: [usize; 2] = [1, 3];
 
 /// What is enclosed.
@@ -86,10 +86,7 @@ impl<'s> Encloser<'s> {
         let Rooms { work, kept } = rooms;
         match self.enclose_plainly(sought, Rooms { work, kept }) {
             // If the second order of the Jacobian makes the boxes wide, it is kept.
-            Ok((plain, true)) => {
-                let all: Vec<usize> = (0..plain.region.count).collect();
-                Ok(self.refined(&plain, Rooms { work, kept }, (&all, REFINING[1])))
-            }
+            Ok((plain, true)) => Ok(self.refined(&plain, Rooms { work, kept }, REFINING[1])),
             Ok((plain, false)) => Ok(plain),
             Err(unbounded) if unbounded.reason == Reason::Singular && kept.count() <= MOST_BENT => {
                 work.empty(kept.count());
@@ -133,30 +130,22 @@ impl<'s> Encloser<'s> {
         }
     }
 
-    /// A first-order enclosure whose derivatives by some dimensions keep terms of second order, in one of the numbers of rounds of
-    /// [`REFINING`]; all of them for more than one.
+    /// A first-order enclosure that keeps terms of second order, in one of the numbers of rounds of [`REFINING`].
     pub fn refined<'r>(
         &self,
         plain: &PoseEnclosure,
         Rooms { work, kept }: Rooms<'_, 'r>,
-        sought: (&[usize], usize),
+        rounds: usize,
     ) -> PoseEnclosure<'r> {
         work.empty(kept.count());
-        self.kept(self.refined_region(&plain.region, &*work, sought), kept)
-    }
-
-    /// Whether a refinement changes the derivatives of a slot.
-    pub fn refines(&self, plain: &PoseEnclosure, slot: usize) -> bool {
-        let blocks = self.layouts.iter().zip(&plain.region.boxes);
-        let mut own = blocks.filter(|(layout, _)| layout.block.unknowns.contains(&slot));
-        own.next().is_none_or(|(_, known)| known.roughness > ROUGH)
+        self.kept(self.refined_region(&plain.region, &*work, rounds), kept)
     }
 
     fn refined_region<'w>(
         &self,
         plain: &Region<'w, AffineForm<'w>>,
         room: &'w FormRoom,
-        sought: (&[usize], usize),
+        rounds: usize,
     ) -> Region<'w, AffineForm<'w>> {
         let mechanism = self.system.mechanism();
         let (unknowns, coordinates) = (mechanism.unknowns.len(), mechanism.coordinate_count());
@@ -181,11 +170,11 @@ impl<'s> Encloser<'s> {
         // With these forms the blocks are enclosed once more, in the boxes that are proved already.
         for (layout, known) in self.layouts.iter().zip(&plain.boxes) {
             if known.roughness > ROUGH {
-                refine_block(layout, known, &mut region, sought);
+                refine_block(layout, known, &mut region, rounds);
             }
         }
         // Traces and outputs follow from the coordinates; then second-order terms are bounded again.
-        show_all(mechanism, &mut region, (sought.0, Some(plain)));
+        show_all(mechanism, &mut region);
         plain_region(region)
     }
 
@@ -208,8 +197,7 @@ impl<'s> Encloser<'s> {
         for (layout, basis) in self.layouts.iter().zip(sought.bases) {
             roughness = roughness.max(enclose_block(mechanism, layout, basis, &mut region)?);
         }
-        let all: Vec<usize> = (0..region.count).collect();
-        show_all(mechanism, &mut region, (&all, None));
+        show_all(mechanism, &mut region);
         Ok((region, roughness))
     }
 }
@@ -227,44 +215,18 @@ fn plain_region<'r>(region: Region<'r, QuadraticForm<'r>>) -> Region<'r, AffineF
     }
 }
 
-/// Dimensions by which derivatives are sought, and an enclosure with the others.
-type AskedRates<'a, 'r> = (&'a [usize], Option<&'a Region<'r, AffineForm<'r>>>);
-
-/// Derivatives of the next slot, a function of others with this gradient.
-fn next_rates<'r, F: StoredForm<'r>>(
-    region: &Region<'r, F>,
-    gradient: &[(usize, F)],
-    (asked, known): AskedRates<'_, 'r>,
-) -> Vec<F> {
-    let rates = region.chain(gradient, asked.iter().copied());
-    let Some(known) = known else {
-        return rates;
-    };
-    let others = known.rates_of(region.slots.len()).iter();
-    let mut all: Vec<F> = others
-        .map(|rate| rate.working_in(region.room).into())
-        .collect();
-    for (k, rate) in asked.iter().zip(rates) {
-        all[*k] = rate;
-    }
-    all
-}
-
 /// Appends x, y, z of every trace and all outputs.
-fn show_all<'r, F: StoredForm<'r>>(
-    mechanism: &Mechanism,
-    region: &mut Region<'r, F>,
-    asked: AskedRates<'_, 'r>,
-) {
+fn show_all<'r, F: StoredForm<'r>>(mechanism: &Mechanism, region: &mut Region<'r, F>) {
     let centre = observed_slots(mechanism, &region.centre());
-    show_traces(mechanism, region, &centre, asked);
+    show_traces(mechanism, region, &centre);
     for (output, place) in mechanism.outputs.iter().zip(region.slots.len()..) {
-        let gradient = match &output.source {
-            OutputSource::Formula(formula) => expression_gradient(formula, &region.slots),
+        let rates = match &output.source {
+            OutputSource::Formula(formula) => {
+                region.chain(&expression_gradient(formula, &region.slots))
+            }
             // A distance or a rate is not bounded here.
-            OutputSource::Distance(_) | OutputSource::Rated(_) => Vec::new(),
+            OutputSource::Distance(_) | OutputSource::Rated(_) => region.chain(&[]),
         };
-        let rates = next_rates(region, &gradient, asked);
         region.push(centre[place], rates);
     }
 }
@@ -274,7 +236,6 @@ fn show_traces<'r, F: StoredForm<'r>>(
     mechanism: &Mechanism,
     region: &mut Region<'r, F>,
     centre: &[Interval],
-    asked: AskedRates<'_, 'r>,
 ) {
     let coordinates = region.slots.len();
     for trace in &mechanism.traces {
@@ -302,7 +263,7 @@ fn show_traces<'r, F: StoredForm<'r>>(
             }
         });
         for gradient in gradients {
-            let rates = next_rates(region, &gradient, asked);
+            let rates = region.chain(&gradient);
             region.push(centre[region.slots.len()], rates);
         }
     }
@@ -341,8 +302,7 @@ impl<'r> PoseEnclosure<'r> {
     /// A formula of the slots as a function of the dimensions, to the first order, and its derivatives by every δ.
     pub fn formula(&self, expression: &Expression) -> (AffineForm<'r>, Vec<AffineForm<'r>>) {
         let region = &self.region;
-        let gradient = expression_gradient(expression, &region.slots);
-        let rates = region.chain(&gradient, 0..region.count);
+        let rates = region.chain(&expression_gradient(expression, &region.slots));
         let centre = expression.value(&region.centre());
         let value = centre.middle();
         let form = match centre.is_finite() {

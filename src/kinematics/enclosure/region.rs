@@ -109,12 +109,8 @@ impl<F: DimensionForm> Region<'_, F> {
             .collect()
     }
 
-    /// Derivatives by some δ of a function of slots with this `gradient`.
-    pub fn chain(
-        &self,
-        gradient: &[(usize, F)],
-        dimensions: impl Iterator<Item = usize>,
-    ) -> Vec<F> {
+    /// Derivatives by every δ of a function of slots with this `gradient`.
+    pub fn chain(&self, gradient: &[(usize, F)]) -> Vec<F> {
         let is_known: Vec<bool> = gradient.iter().map(|(_, by)| by.is_finite()).collect();
         let along = |k: usize| {
             let terms = gradient.iter().zip(&is_known);
@@ -123,6 +119,6 @@ impl<F: DimensionForm> Region<'_, F> {
             let moved = terms.filter(|(_, rate, known)| !*known || rate.as_number() != Some(0.0));
             F::sum_of_products(moved.map(|(by, rate, _)| (by, rate)))
         };
-        dimensions.map(along).collect()
+        (0..self.count).map(along).collect()
     }
 }

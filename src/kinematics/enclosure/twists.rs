@@ -92,6 +92,8 @@ pub struct ChainTwists<S> {
     /// The frame at the end.
     pub end: WalkFrame<S>,
     joints: Vec<Noted<S>>,
+    /// Trace of the rotation.
+    trace: S,
 }
 
 impl<S: Scalar> ChainTwists<S> {
@@ -114,7 +116,8 @@ impl<S: Scalar> ChainTwists<S> {
             .zip(&way.origins)
             .for_each(|(noted, origin)| noted.origin = *origin);
         let end = way.back_to(about);
-        Self { end, joints }
+        let trace = end.axes[0][0] + end.axes[1][1] + end.axes[2][2];
+        Self { end, joints, trace }
     }
 
     /// The residual of a loop.
@@ -125,7 +128,6 @@ impl<S: Scalar> ChainTwists<S> {
     /// Calls `take` with the argument of every joint and the derivative of the residual by it.
     pub fn columns(&self, per_size: f64, mut take: impl FnMut(usize, [S; 6])) {
         let zero = S::number(0.0);
-        let skew = self.skew_rates();
         // Several rotations have one origin.
         let mut last: Option<[Triple<S>; 2]> = None;
         for Noted {
@@ -143,10 +145,7 @@ impl<S: Scalar> ChainTwists<S> {
                         _ => vector_difference(self.end.origin, *origin).map(|c| c.scale(per_size)),
                     };
                     last = Some([*origin, arm]);
-                    [
-                        skew.map(|row| inner_product(row, *axis)),
-                        cross_product(*axis, arm),
-                    ]
+                    [self.skew_rate(*axis), cross_product(*axis, arm)]
                 }
             };
             let [a, b, c] = turn;
@@ -174,16 +173,19 @@ impl<S: Scalar> ChainTwists<S> {
         }
     }
 
-    /// Rows of the rate of the skew part ½ Σ eⱼ × (a × rⱼ) = ½ (tr R - R) a of a rotation matrix R with columns r, for a
-    /// rotation about a.
-    fn skew_rates(&self) -> [Triple<S>; 3] {
+    /// Rate of the skew part ½ Σ eⱼ × (a × rⱼ) = ½ (tr R a - R a) of a rotation matrix R with columns r, for a rotation
+    /// about a.
+    fn skew_rate(&self, a: Triple<S>) -> Triple<S> {
         let axes = &self.end.axes;
         [0, 1, 2].map(|k| {
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            [0, 1, 2].map(|l| match l == k {
-                true => (axes[i][i] + axes[j][j]).scale(0.5),
-                false => axes[l][k].scale(-0.5),
-            })
+            let (plus, minus) = (Sign::Plus, Sign::Minus);
+            S::signed_products([
+                (plus, self.trace, a[k]),
+                (minus, axes[0][k], a[0]),
+                (minus, axes[1][k], a[1]),
+                (minus, axes[2][k], a[2]),
+            ])
+            .scale(0.5)
         })
     }
 }
@@ -213,10 +215,6 @@ fn cross_product<S: Scalar>(a: Triple<S>, b: Triple<S>) -> Triple<S> {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         S::signed_products([(Sign::Plus, a[i], b[j]), (Sign::Minus, a[j], b[i])])
     })
-}
-
-fn inner_product<S: Scalar>(a: Triple<S>, b: Triple<S>) -> S {
-    S::signed_products([0, 1, 2].map(|k| (Sign::Plus, a[k], b[k])))
 }
 
 fn vector_difference<S: Scalar>(a: Triple<S>, b: Triple<S>) -> Triple<S> {

@@ -121,15 +121,17 @@ impl<'r> AffineForm<'r> {
         }
     }
 
-    /// The same without its slopes along numbers from `first` on.
-    pub fn cut(self, first: usize) -> Self {
-        match self.slopes.split_at_checked(first) {
-            Some((slopes, [_, ..])) => Self {
-                slopes,
-                radius: sum_of_magnitudes(slopes) * GROW,
-                ..self
-            },
-            _ => self,
+    /// The same with everything that depends on numbers from `first` on moved into the error.
+    pub fn folded(self, first: usize) -> Self {
+        let Some((kept, moved)) = self.slopes.split_at_checked(first) else {
+            return self;
+        };
+        let beyond = sum_of_magnitudes(moved) * GROW;
+        Self {
+            slopes: kept,
+            radius: sum_of_magnitudes(kept) * GROW,
+            error: (self.error + beyond) * GROW,
+            ..self
         }
     }
 

@@ -99,38 +99,3 @@ fn nothing_is_made_up() {
     }
     assert_eq!(Form::ZERO * around_zero, Form::ZERO);
 }
-
-/// The change of a form from its value.
-fn change(form: &Form, d: &[f64]) -> f64 {
-    let mut sum = 0.0;
-    for (l, q) in d.iter().enumerate() {
-        sum += form.line.slope(l) * q;
-        let bends = d[..=l].iter().enumerate();
-        sum += bends.map(|(k, p)| form.bend_of(k, l) * p * q).sum::<f64>();
-    }
-    sum
-}
-
-#[test]
-fn what_is_cut_off_is_no_more_than_its_effects() {
-    let (mut state, room) = (0x51_ced3, FormRoom::new(11));
-    let list =
-        |state: &mut u64, count: usize| -> Vec<f64> { (0..count).map(|_| random(state)).collect() };
-    let factor =
-        |state: &mut u64| Form::from(AffineForm::linear(&room, 0.5, &list(state, 11), 0.0));
-    for _ in 0..200 {
-        let product = factor(&mut state) * factor(&mut state);
-        let (kept, shares) = (product.cut(9), list(&mut state, 2));
-        assert_eq!((kept.span(), product.span()), (9, 11));
-        let d = [list(&mut state, 9), shares.clone()].concat();
-        let lost = (change(&product, &d) - change(&kept, &d)).abs();
-        let effects = [9, 10].map(|index| product.effect_of(index));
-        let bound: f64 = effects.iter().zip(shares).map(|(e, s)| e * s.abs()).sum();
-        assert!(lost <= bound, "{lost} {bound}");
-        // Other coefficients are as far from these as the largest change that their difference makes, at least.
-        let other = factor(&mut state);
-        let apart = (change(&product, &d) - change(&other, &d)).abs();
-        assert!(apart <= product.apart(&other));
-        assert_eq!(product.apart(&product), 0.0);
-    }
-}
