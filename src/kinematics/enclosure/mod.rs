@@ -15,4 +15,5 @@ pub mod pose;
 pub mod quadratic;
 pub mod region;
 pub mod rows;
+mod settled;
 mod twists;
