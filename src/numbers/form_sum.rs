@@ -19,11 +19,11 @@ pub trait FormSum {
     /// Factors of several products, prepared for sums with others.
     type Factors;
 
-    /// Prepares the slopes of forms along the first `span` numbers; they have no others.
-    fn factors(forms: &[&Self::Form], span: usize) -> Self::Factors;
+    /// Prepares forms that depend on the first `span` numbers.
+    fn factors(forms: Vec<Self::Form>, span: usize) -> Self::Factors;
 
-    /// Adds what the slopes of as many pairs make in their products.
-    fn add_products_of_slopes(&mut self, a: &Self::Factors, b: &Self::Factors);
+    /// Adds the products of as many pairs.
+    fn add_products(&mut self, a: &Self::Factors, b: &Self::Factors);
 
     /// Adds or subtracts a product.
     fn add_signed_product(&mut self, sign: Sign, a: &Self::Form, b: &Self::Form);

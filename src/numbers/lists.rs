@@ -169,15 +169,13 @@ pub fn add_combinations(
     if count == 0 || length == 0 {
         return;
     }
-    // Whole groups of every list, and what is left, filled up with zeros.
-    let grouped = lists.iter().map(|list| {
-        let (whole, rest) = list.as_chunks::<LANES>();
-        let mut last = [0.0; LANES];
-        last[..rest.len()].copy_from_slice(rest);
-        (whole, last)
+    // All lists side by side, filled up with zeros.
+    let mut packed = vec![[0.0; LANES]; length.div_ceil(LANES) * count];
+    Arch::new().dispatch(SideBySide {
+        packed: &mut packed,
+        lists,
     });
-    let lists: SmallVec<[GroupedList; 2 * AT_ONCE]> = grouped.collect();
-    let mut by_row: SmallVec<[[f64; ROWS]; 2 * AT_ONCE]> = SmallVec::from_elem([0.0; ROWS], count);
+    let mut by_row = vec![[0.0; ROWS]; count];
     for (rows, factors) in sums.chunks_mut(ROWS).zip(factors.chunks(ROWS * count)) {
         for (r, factors) in factors.chunks_exact(count).enumerate() {
             let places = by_row.iter_mut().zip(factors);
@@ -186,21 +184,43 @@ pub fn add_combinations(
         Arch::new().dispatch(Combinations {
             sums: rows,
             factors: &by_row,
-            lists: &lists,
+            packed: &packed,
             end: length,
             are_unset,
         });
     }
 }
 
-/// Whole groups, and the last one.
-type GroupedList<'l> = (&'l [CoefficientGroup], CoefficientGroup);
+/// Lists that are copied beside each other.
+struct SideBySide<'a, 'l> {
+    packed: &'a mut [CoefficientGroup],
+    lists: &'a [&'l [f64]],
+}
 
-/// Lists that are added to a few sums up to an end.
+impl WithSimd for SideBySide<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let count = self.lists.len();
+        for (k, list) in self.lists.iter().enumerate() {
+            let (whole, rest) = list.as_chunks::<LANES>();
+            let mut places = self.packed[k..].iter_mut().step_by(count);
+            for (lanes, place) in whole.iter().zip(places.by_ref()) {
+                *place = *lanes;
+            }
+            if let (false, Some(place)) = (rest.is_empty(), places.next()) {
+                place[..rest.len()].copy_from_slice(rest);
+            }
+        }
+    }
+}
+
+/// Lists that lie side by side, added to a few sums up to an end.
 struct Combinations<'a, 's> {
     sums: &'a mut [&'s mut [f64]],
     factors: &'a [[f64; ROWS]],
-    lists: &'a [GroupedList<'a>],
+    packed: &'a [CoefficientGroup],
     end: usize,
     are_unset: bool,
 }
@@ -213,11 +233,11 @@ impl WithSimd for Combinations<'_, '_> {
         let Self {
             sums,
             factors,
-            lists,
+            packed,
             end,
             are_unset,
         } = self;
-        for index in 0..end.div_ceil(LANES) {
+        for (index, lists) in packed.chunks_exact(factors.len()).enumerate() {
             let at = index * LANES..end.min((index + 1) * LANES);
             let mut rows = [[0.0; LANES]; ROWS];
             let known = if are_unset { 0 } else { sums.len() };
@@ -228,12 +248,7 @@ impl WithSimd for Combinations<'_, '_> {
                 }
             }
             let [mut a, mut b, mut c, mut d] = rows;
-            for ((whole, last), [p, q, r, s]) in lists.iter().zip(factors) {
-                let list = match whole.get(index) {
-                    Some(list) => list,
-                    None if index == whole.len() => last,
-                    None => continue,
-                };
+            for (list, [p, q, r, s]) in lists.iter().zip(factors) {
                 add_scaled(simd, &mut a, list, *p);
                 add_scaled(simd, &mut b, list, *q);
                 add_scaled(simd, &mut c, list, *r);

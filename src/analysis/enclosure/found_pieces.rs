@@ -6,7 +6,7 @@ use crate::kinematics::loops::observed::observed_slots;
 use crate::model::mechanism::Mechanism;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
-use std::cell::{OnceCell, RefCell};
+use std::cell::OnceCell;
 
 /// Pieces that close within an enclosure of the pose.
 #[derive(Debug, Default)]
@@ -19,17 +19,7 @@ pub(super) struct FoundPieces {
 pub(super) struct FoundPiece {
     place: Vec<f64>,
     plain: AllSlots<f64>,
-    proof: RefCell<Proof>,
-}
-
-/// What is proved of a piece: as many of its blocks as were asked for.
-#[derive(Debug, Default)]
-struct Proof {
-    known: Vec<Interval>,
-    blocks: usize,
-    /// Whether the next block is not proved.
-    is_over: bool,
-    observed: Option<Vec<Interval>>,
+    proved: OnceCell<Option<AllSlots<Interval>>>,
 }
 
 /// Coordinates, and all slots when they are needed.
@@ -70,7 +60,7 @@ impl FoundPieces {
             Some(FoundPiece {
                 place: place.to_vec(),
                 plain: AllSlots::new(piece?),
-                proof: RefCell::default(),
+                proved: OnceCell::new(),
             })
         });
         self.list.extend(found);
@@ -95,26 +85,11 @@ impl FoundPiece {
         (encloser, enclosure): (&Encloser, &PoseEnclosure),
         slot: usize,
     ) -> Option<Interval> {
-        let (place, coordinates) = (&self.place[..], &self.plain.coordinates[..]);
-        let mut proof = self.proof.borrow_mut();
-        let proof = &mut *proof;
-        if proof.known.is_empty() {
-            proof.known = encloser.begun_piece(enclosure, place, coordinates);
-        }
-        let needed = encloser.blocks_behind(slot);
-        while proof.blocks < needed && !proof.is_over {
-            let piece = (place, coordinates);
-            let is_proved = encloser.proves_block(proof.blocks, enclosure, piece, &mut proof.known);
-            proof.is_over = !is_proved;
-            proof.blocks += usize::from(is_proved);
-        }
-        if proof.blocks < needed {
-            return None;
-        }
-        let known = proof.known.get(slot).copied();
-        known.or_else(|| {
-            let all = || observed_slots(mechanism, &proof.known);
-            proof.observed.get_or_insert_with(all).get(slot).copied()
-        })
+        let proof = || {
+            let piece = encloser.piece(enclosure, &self.place, &self.plain.coordinates)?;
+            Some(AllSlots::new(piece))
+        };
+        let proved = self.proved.get_or_init(proof).as_ref()?;
+        proved.value(mechanism, slot)
     }
 }

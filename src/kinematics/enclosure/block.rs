@@ -4,7 +4,7 @@
 //! inverse of the Jacobian J, and J and Fₖ = dF/dδₖ as affine forms over the box |x(δ) - x - S δ| ≤ w:
 //!
 //! ```text
-//! A = R J - I    G = R (J S + Fₖ)    η = |R F(x)| + Σₖ (|G| + ½ Σⱼ |slopes of G| + error of G)
+//! A = R J - I    G = S + A S + R Fₖ    η = |R F(x)| + Σₖ (|G| + ½ Σⱼ |slopes of G| + error of G)
 //! one pose in the box for every δ, if η + |A| w < w;    dx/dδ = S - G - A (dx/dδ - S)
 //! ```
 //!
@@ -25,6 +25,9 @@ use super::region::Region;
 use super::rows::Layout;
 use crate::kinematics::results::certificate::Reason;
 use crate::model::mechanism::Mechanism;
+use crate::numbers::form_room::FormRoom;
+use crate::numbers::form_sum::FormSum;
+use crate::numbers::rounding::GROW;
 
 /// The first box, as a multiple of its image if the Jacobian varied as along the tangent.
 const FIRST_SHARE: f64 = 1.2;
@@ -46,6 +49,9 @@ const SHARP: f64 = 0.6;
 
 /// How often the maps are repeated with the unknowns known to second order.
 const POLISHING: usize = 2;
+
+/// Another round must leave less than this share of what was open before.
+const GAINED: f64 = 0.9;
 
 /// Why there is no box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,8 +80,8 @@ pub fn enclose_block<'r, F: StoredForm<'r>>(
     region: &mut Region<'r, F>,
 ) -> Result<f64, Unbounded> {
     let centre = Centre::new(layout, basis, region)?;
-    let (mapped, eta, box_of) = centre.proved_box(mechanism, layout, basis, region)?;
-    centre.settle(layout, region, (&mapped, &eta), &box_of);
+    let (mapped, box_of) = centre.proved_box(mechanism, layout, basis, region)?;
+    centre.settle(layout, region, &mapped, &box_of);
     if F::BENT {
         centre.polish(layout, basis, region, (&box_of, POLISHING));
     }
@@ -108,6 +114,47 @@ pub fn refine_block<'r, F: StoredForm<'r>>(
 }
 
 impl Centre {
+    /// The present bounds on the unknowns are of higher order than the box, so that the same maps over them are
+    /// tighter. Returns whether anything was gained.
+    fn polish<'r, F: StoredForm<'r>>(
+        &self,
+        layout: &Layout,
+        basis: &[usize],
+        region: &mut Region<'r, F>,
+        (box_of, rounds): (&[f64], usize),
+    ) -> bool {
+        let mut open = self.open(layout, region);
+        for round in 0..rounds {
+            let known = region.slots.clone();
+            for (i, slot) in layout.block.unknowns.iter().enumerate() {
+                region.slots[*slot] = region.slots[*slot].marked(self.span + i);
+            }
+            let narrower = self
+                .varying(layout, basis, region)
+                .map(|varying| self.map(layout, basis, region, varying));
+            region.slots = known;
+            // The bounds that follow need a contraction.
+            match narrower {
+                Ok(narrower) if image_ratio(&narrower.a.times(box_of), box_of) < 1.0 => {
+                    self.settle(layout, region, &narrower, box_of);
+                }
+                _ => return round > 0,
+            }
+            let before = std::mem::replace(&mut open, self.open(layout, region));
+            if round > 0 && open > GAINED * before {
+                break;
+            }
+        }
+        true
+    }
+
+    /// What the derivatives of the unknowns leave open, in all.
+    fn open<F: DimensionForm>(&self, layout: &Layout, region: &Region<F>) -> f64 {
+        let unknowns = layout.block.unknowns.iter();
+        let rates = unknowns.flat_map(|slot| region.rates_of(*slot));
+        rates.map(DimensionForm::beyond).sum()
+    }
+
     /// The dimension that moves the unknowns most.
     fn farthest(&self, layout: &Layout, mechanism: &Mechanism, m: usize) -> Option<usize> {
         let moved = |k: usize| {
@@ -119,14 +166,14 @@ impl Centre {
         (0..m).max_by(|a, b| moved(*a).total_cmp(&moved(*b)))
     }
 
-    /// A box that is mapped into itself, after the maps over it and η.
+    /// A box that is mapped into itself.
     fn proved_box<'r, F: StoredForm<'r>>(
         &self,
         mechanism: &Mechanism,
         layout: &Layout,
         basis: &[usize],
         region: &mut Region<'r, F>,
-    ) -> Result<(Mapped<F>, Vec<f64>, Vec<f64>), Unbounded> {
+    ) -> Result<(Mapped<F>, Vec<f64>), Unbounded> {
         let (n, m) = (self.n, region.count);
         let mut farthest = self.farthest(layout, mechanism, m);
         let refused = |reason: Reason, dimension| Unbounded { reason, dimension };
@@ -134,7 +181,8 @@ impl Centre {
         self.place(layout, region, &vec![0.0; n]);
         let along = self.varying(layout, basis, region);
         let along = along.map_err(|reason| refused(reason, farthest))?;
-        let eta = self.eta(&self.changes(layout, basis, region, &along));
+        let along = self.map(layout, basis, region, along);
+        let eta = along.eta;
         // A first box from the residual along the tangent.
         let mut box_of = (0..SWEEPS).fold(eta.clone(), |w, _| along.a.image(&eta, &w));
         for (side, slot) in box_of.iter_mut().zip(&layout.block.unknowns) {
@@ -175,8 +223,8 @@ impl Centre {
         }
         let (varying, box_of) = passed.ok_or_else(|| refused(Reason::Singular, farthest))?;
         self.place(layout, region, &box_of);
-        let g = self.changes(layout, basis, region, &varying);
-        Ok((self.mapped(varying, g), eta, box_of))
+        let mapped = self.map(layout, basis, region, varying);
+        Ok((Mapped { eta, ..mapped }, box_of))
     }
 
     /// Largest share of the unknowns' range that is neither of first nor of second order.
@@ -191,6 +239,70 @@ impl Centre {
         layout.block.unknowns.iter().map(share).fold(0.0, f64::max)
     }
 
+    /// Bounds of the solutions z of z = v - A z, where |v| is at most `from(i, k)` for unknown i and dimension k: unknown after
+    /// unknown.
+    fn solved_columns<F: DimensionForm>(
+        &self,
+        mapped: &Mapped<F>,
+        box_of: &[f64],
+        from: impl Fn(usize, usize) -> f64,
+    ) -> Vec<f64> {
+        let (n, m) = (self.n, self.rates.len() / self.n.max(1));
+        let mut all = vec![0.0; n * m];
+        for k in 0..m.min(self.span) {
+            let own: Vec<f64> = (0..n).map(|i| from(i, k)).collect();
+            let solved = mapped.a.solved(&own, box_of);
+            (0..n).for_each(|i| all[i * m + k] = solved[i]);
+        }
+        all
+    }
+
+    /// z = dx/dδ - S = -G + A G - A A z as forms, unknown after unknown: with the product A G if forms have a second
+    /// order, otherwise with bounds.
+    fn rate_bends<'r, F: StoredForm<'r>>(
+        &self,
+        room: &'r FormRoom,
+        mapped: &Mapped<F>,
+        box_of: &[f64],
+    ) -> Vec<F> {
+        let (n, m) = (self.n, self.rates.len() / self.n.max(1));
+        let g = |i: usize, k: usize| &mapped.g[i * m + k];
+        let column =
+            |of: &dyn Fn(usize) -> f64| mapped.a.times(&(0..n).map(of).collect::<Vec<_>>());
+        let mut all = vec![F::number(0.0); n * m];
+        if !F::BENT {
+            // |A G| and what follows from it.
+            let moved: Vec<Vec<f64>> = (0..m).map(|k| column(&|i| g(i, k).radius())).collect();
+            let open = |i: usize, k: usize| {
+                (g(i, k).nominal().abs() + g(i, k).beyond() + moved[k][i]) * GROW
+            };
+            let beyond = self.solved_columns(mapped, box_of, open);
+            for (form, (own, open)) in all.iter_mut().zip(mapped.g.iter().zip(beyond)) {
+                *form = F::linear(room, 0.0, own.slopes(), open);
+            }
+            return all.into_iter().map(|form| -form).collect();
+        }
+        let sizes = self.solved_columns(mapped, box_of, |i, k| g(i, k).magnitude());
+        let span = m.min(self.span);
+        let rows = mapped.entries.chunks_exact(n.max(1));
+        let rows: Vec<_> = rows
+            .map(|row| F::Sum::factors(row.to_vec(), span))
+            .collect();
+        for k in 0..span {
+            let once = column(&|i| sizes[i * m + k]);
+            let twice = mapped.a.times(&once);
+            let of_unknowns = mapped.g.iter().skip(k).step_by(m);
+            let by_unknown = F::Sum::factors(of_unknowns.copied().collect(), span);
+            for i in 0..n {
+                let mut sum = F::Sum::new(0.0);
+                sum.add_scaled(-1.0, g(i, k));
+                sum.add_products(&rows[i], &by_unknown);
+                all[i * m + k] = sum.finish().opened(twice[i]);
+            }
+        }
+        all
+    }
+
     /// Sets the region in which the block's unknowns are sought.
     fn place<'r, F: StoredForm<'r>>(
         &self,
@@ -203,6 +315,35 @@ impl Centre {
             let rates = &self.rates[i * m..][..m];
             let form = F::linear(region.room, region.slots[*slot].nominal(), rates, box_of[i]);
             region.slots[*slot] = form.marked(self.span + i);
+        }
+    }
+
+    /// Writes the unknowns and their derivatives into the region.
+    fn settle<'r, F: StoredForm<'r>>(
+        &self,
+        layout: &Layout,
+        region: &mut Region<'r, F>,
+        mapped: &Mapped<F>,
+        box_of: &[f64],
+    ) {
+        let m = region.count;
+        // A few more Krawczyk steps shrink the box that maps into itself.
+        let narrowed = (0..SWEEPS).fold(box_of.to_vec(), |w, _| mapped.a.image(&mapped.eta, &w));
+        let open = mapped.a.solved(&self.newton, box_of);
+        let bends = self.rate_bends(region.room, mapped, box_of);
+        for (i, slot) in layout.block.unknowns.iter().enumerate() {
+            let tangent = &self.rates[i * m..][..m];
+            for (k, rate) in tangent.iter().enumerate() {
+                region.rates[slot * m + k] = F::number(*rate) + bends[i * m + k];
+            }
+            region.open[*slot] = open[i];
+            let value = region.slots[*slot].nominal();
+            let mut form = F::integral(region.room, value, open[i], region.rates_of(*slot));
+            // For first-order forms the plain tangent with the box may be tighter than the mean value form.
+            if !F::BENT && form.beyond() > narrowed[i] {
+                form = F::linear(region.room, value, tangent, narrowed[i]);
+            }
+            region.slots[*slot] = form;
         }
     }
 }

@@ -92,20 +92,14 @@ impl Centre {
                 }
             }
         }
-        let span = region.span_of(&layout.slots[n..]);
         Ok(Self {
             n,
             inverse,
             newton,
             rates,
             about,
-            span,
+            span: region.span_of(&layout.slots[n..]),
         })
-    }
-
-    /// How many dimensions the block depends on.
-    pub fn columns(&self) -> usize {
-        self.span.min(self.rates.len() / self.n.max(1))
     }
 
     /// Those of a box that is proved already.
@@ -119,14 +113,13 @@ impl Centre {
             region.open[*slot] = 0.0;
         }
         let residual = layout.residuals(&region.centre(), &known.about);
-        let span = region.span_of(&layout.slots[layout.own()..]);
         Self {
             n: layout.own(),
             newton: newton_steps(&known.inverse, &known.basis, &residual),
             inverse: known.inverse.clone(),
             rates: known.rates.clone(),
             about: known.about.clone(),
-            span,
+            span: region.span_of(&layout.slots[layout.own()..]),
         }
     }
 
@@ -161,83 +154,69 @@ impl Centre {
         Ok(Varying { rows, entries, a })
     }
 
-    /// G over the box, unknown after unknown, by the dimensions that the block depends on. What its sides change is bounded.
-    pub fn changes<F: DimensionForm>(
+    /// A, G and η over the box.
+    pub fn map<F: DimensionForm>(
         &self,
         layout: &Layout,
         basis: &[usize],
         region: &Region<F>,
-        varying: &Varying<F>,
-    ) -> Vec<F> {
-        let (n, columns) = (self.n, self.columns());
-        let along = self.along_tangent(layout, basis, region, &varying.rows);
-        let mut g: Vec<F::Sum> = (0..n * columns).map(|_| F::Sum::new(0.0)).collect();
-        for k in 0..columns {
-            let by_rows: Vec<&F> = along.iter().skip(k).step_by(columns).collect();
-            let mut sums: Vec<&mut F::Sum> = g.iter_mut().skip(k).step_by(columns).collect();
+        varying: Varying<F>,
+    ) -> Mapped<F> {
+        let (n, m, columns) = (self.n, region.count, layout.slots.len());
+        let Varying { rows, entries, a } = varying;
+        // Fₖ of the rows of the basis.
+        let zero = F::number(0.0);
+        let mut by_dimension = Vec::with_capacity(n * m);
+        for row in basis {
+            let others = layout.slots.iter().zip(&rows.jacobian[row * columns..]);
+            let others: Vec<(usize, F)> = (others.skip(n))
+                .filter(|(_, by_slot)| **by_slot != zero)
+                .map(|(slot, by_slot)| (*slot, *by_slot))
+                .collect();
+            by_dimension.extend(region.chain(&others));
+        }
+        let mut mapped = Mapped {
+            g: Vec::with_capacity(n * m),
+            entries: Vec::new(),
+            a,
+            eta: self.newton.clone(),
+        };
+        // S + A S + R Fₖ, for the dimensions that the block depends on.
+        let span = m.min(self.span);
+        let of = |i: usize, k: usize| self.rates[i * m + k];
+        let mut sums: Vec<F::Sum> = (0..n * span)
+            .map(|place| F::Sum::new(of(place / span, place % span)))
+            .collect();
+        for k in 0..span {
+            let by_rows: Vec<&F> = by_dimension.iter().skip(k).step_by(m).collect();
+            let mut sums: Vec<&mut F::Sum> = sums.iter_mut().skip(k).step_by(span).collect();
             F::Sum::add_scaled_to_all(&mut sums, &self.inverse, &by_rows);
         }
-        let folded = |sum: F::Sum| sum.finish().folded(self.span);
-        g.into_iter().map(folded).collect()
-    }
-
-    /// η, from G along the tangent.
-    pub fn eta<F: DimensionForm>(&self, g: &[F]) -> Vec<f64> {
-        let rows = g.chunks_exact(self.columns().max(1));
-        let open = rows.map(|row| {
-            let open = |g: &F| g.nominal().abs() + 0.5 * g.radius() + g.beyond();
-            row.iter().map(open).sum::<f64>()
-        });
-        let eta = self.newton.iter().zip(open.chain(std::iter::repeat(0.0)));
-        eta.map(|(newton, open)| (newton + open) * GROW).collect()
-    }
-
-    /// A and G over the box, for the dimensions alone.
-    pub fn mapped<F: DimensionForm>(&self, varying: Varying<F>, g: Vec<F>) -> Mapped<F> {
-        let Varying { entries, a, .. } = varying;
-        // To the first order only magnitudes of A are needed.
-        let entries = if F::BENT { entries } else { Vec::new() };
-        let folded = entries.into_iter().map(|entry| entry.folded(self.span));
-        Mapped {
-            g,
-            entries: folded.collect(),
-            a,
+        let by_place = (0..n * span).map(|place| of(place % n, place / n));
+        let columns: Vec<f64> = by_place.collect();
+        let rows = sums
+            .chunks_exact_mut(span.max(1))
+            .zip(entries.chunks_exact(n.max(1)));
+        for (sums, entries) in rows {
+            let mut sums: Vec<&mut F::Sum> = sums.iter_mut().collect();
+            let entries: Vec<&F> = entries.iter().collect();
+            F::Sum::add_scaled_to_all(&mut sums, &columns, &entries);
         }
-    }
-
-    /// J S + Fₖ: how the rows of the basis change along the tangent with the dimensions that the block depends on.
-    fn along_tangent<F: DimensionForm>(
-        &self,
-        layout: &Layout,
-        basis: &[usize],
-        region: &Region<F>,
-        rows: &Rows<F>,
-    ) -> Vec<F> {
-        let (n, m, columns) = (self.n, region.count, layout.slots.len());
-        let (span, zero) = (self.columns(), F::number(0.0));
-        let mut all = Vec::with_capacity(n * span);
-        for row in basis {
-            let (own, others) = rows.jacobian[row * columns..][..columns].split_at(n);
-            let others = layout.slots[n..]
-                .iter()
-                .copied()
-                .zip(others.iter().copied());
-            let others: Vec<(usize, F)> = others.filter(|(_, by)| *by != zero).collect();
-            let by_slots = region.chain(&others);
-            let by_slots = &by_slots[..span];
-            let mut sums: Vec<F::Sum> = by_slots.iter().map(|_| F::Sum::new(0.0)).collect();
-            for (sum, by) in sums.iter_mut().zip(by_slots) {
-                sum.add_scaled(1.0, by);
+        let mut sums = sums.into_iter();
+        for eta in &mut mapped.eta {
+            let mut open = 0.0;
+            for g in sums.by_ref().take(span).map(F::Sum::finish) {
+                open += g.nominal().abs() + 0.5 * g.radius() + g.beyond();
+                mapped.g.push(g.folded(self.span));
             }
-            let own = || own.iter().enumerate().filter(|(_, by)| **by != zero);
-            let rates = (0..span).flat_map(|k| own().map(move |(j, _)| j * m + k));
-            let rates: Vec<f64> = rates.map(|place| self.rates[place]).collect();
-            let by_own: Vec<&F> = own().map(|(_, by)| by).collect();
-            let mut list: Vec<&mut F::Sum> = sums.iter_mut().collect();
-            F::Sum::add_scaled_to_all(&mut list, &rates, &by_own);
-            all.extend(sums.into_iter().map(F::Sum::finish));
+            mapped.g.resize(mapped.g.len() + m - span, zero);
+            *eta = (*eta + open) * GROW;
         }
-        all
+        if F::BENT {
+            let folded = entries.into_iter().map(|entry| entry.folded(self.span));
+            mapped.entries = folded.collect();
+        }
+        mapped
     }
 }
 

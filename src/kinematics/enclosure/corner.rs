@@ -2,43 +2,21 @@
 //! distance between a nearly closed pose and the closed one.
 
 use super::pose::{Encloser, PoseEnclosure};
-use super::rows::Layout;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::{GROW, SUMS};
 use crate::numbers::scalar::Ring;
 
 impl Encloser<'_> {
     /// All coordinates of the piece at δ, which are nearly `coordinates`; `None` if that is not proved.
+    ///
+    /// From R F(x̃) = R J(ξ) (x̃ - x) = (1 + A) (x̃ - x), with ξ between two poses of the box: |x̃ - x| ≤ |R F(x̃)| +
+    /// |A| |x̃ - x|.
     pub fn piece(
         &self,
         enclosure: &PoseEnclosure,
         place: &[f64],
         coordinates: &[f64],
     ) -> Option<Vec<Interval>> {
-        let mut known = self.begun_piece(enclosure, place, coordinates);
-        (0..self.layouts.len())
-            .all(|block| self.proves_block(block, enclosure, (place, coordinates), &mut known))
-            .then_some(known)
-    }
-
-    /// How many of the first blocks a slot depends on.
-    pub fn blocks_behind(&self, slot: usize) -> usize {
-        let mechanism = self.system.mechanism();
-        if slot >= mechanism.coordinate_count() {
-            return self.layouts.len();
-        }
-        let holds = |layout: &Layout| layout.block.unknowns.contains(&slot);
-        let own = self.layouts.iter().position(holds);
-        own.map_or(0, |index| index + 1)
-    }
-
-    /// The inputs of the piece at δ; its unknowns are not proved yet.
-    pub fn begun_piece(
-        &self,
-        enclosure: &PoseEnclosure,
-        place: &[f64],
-        coordinates: &[f64],
-    ) -> Vec<Interval> {
         let region = &enclosure.region;
         let mut known: Vec<Interval> = coordinates.iter().map(|c| Interval::point(*c)).collect();
         let inputs = self.system.mechanism().unknowns.len()..known.len();
@@ -50,54 +28,40 @@ impl Encloser<'_> {
                 sum + Interval::point(*slope).scale(*d)
             });
         }
-        known
-    }
-
-    /// Whether the unknowns of a block are proved near `coordinates`, with those of all blocks before it, and where they are.
-    ///
-    /// From R F(x̃) = R J(ξ) (x̃ - x) = (1 + A) (x̃ - x), with ξ between two poses of the box: |x̃ - x| ≤ |R F(x̃)| +
-    /// |A| |x̃ - x|.
-    pub fn proves_block(
-        &self,
-        block: usize,
-        enclosure: &PoseEnclosure,
-        (place, coordinates): (&[f64], &[f64]),
-        known: &mut [Interval],
-    ) -> bool {
-        let region = &enclosure.region;
-        let (layout, own) = (&self.layouts[block], &region.boxes[block]);
-        let slots = &layout.block.unknowns;
-        let (n, m) = (slots.len().max(1), region.count);
-        for (i, slot) in slots.iter().enumerate() {
-            let (drawn, here) = (region.slots[*slot].value, coordinates[*slot]);
-            let moved = own.rates[i * m..][..m].iter().zip(place);
-            let (way, size) = moved.fold((0.0, 0.0), |(way, size), (rate, d)| {
-                (way + rate * d, size + (rate * d).abs())
+        for (layout, own) in self.layouts.iter().zip(&region.boxes) {
+            let slots = &layout.block.unknowns;
+            let (n, m) = (slots.len().max(1), region.count);
+            for (i, slot) in slots.iter().enumerate() {
+                let (drawn, here) = (region.slots[*slot].value, coordinates[*slot]);
+                let moved = own.rates[i * m..][..m].iter().zip(place);
+                let (way, size) = moved.fold((0.0, 0.0), |(way, size), (rate, d)| {
+                    (way + rate * d, size + (rate * d).abs())
+                });
+                let off = (here - drawn - way).abs();
+                let slack = SUMS * (here.abs() + drawn.abs() + size);
+                // What is no number is nowhere.
+                let is_inside = off + slack <= own.sides[i];
+                if !is_inside {
+                    return None;
+                }
+            }
+            let residual = layout.residuals(&known, &own.about);
+            let newton = own.inverse.chunks_exact(n).map(|row| {
+                let terms = row.iter().zip(&own.basis);
+                let sum = terms.fold(Interval::ZERO, |sum, (factor, row)| {
+                    sum + residual[*row].scale(*factor)
+                });
+                sum.magnitude()
             });
-            let off = (here - drawn - way).abs();
-            let slack = SUMS * (here.abs() + drawn.abs() + size);
-            // What is no number is nowhere.
-            let is_inside = off + slack <= own.sides[i];
-            if !is_inside {
-                return false;
+            let newton: Vec<f64> = newton.collect();
+            if !newton.iter().all(|size| size.is_finite()) {
+                return None;
+            }
+            let off = own.contraction.solved(&newton, &own.sides);
+            for (slot, off) in slots.iter().zip(off) {
+                known[*slot] = known[*slot] + Interval::around_zero(off * GROW);
             }
         }
-        let residual = layout.residuals(known, &own.about);
-        let newton = own.inverse.chunks_exact(n).map(|row| {
-            let terms = row.iter().zip(&own.basis);
-            let sum = terms.fold(Interval::ZERO, |sum, (factor, row)| {
-                sum + residual[*row].scale(*factor)
-            });
-            sum.magnitude()
-        });
-        let newton: Vec<f64> = newton.collect();
-        if !newton.iter().all(|size| size.is_finite()) {
-            return false;
-        }
-        let off = own.contraction.solved(&newton, &own.sides);
-        for (slot, off) in slots.iter().zip(off) {
-            known[*slot] = known[*slot] + Interval::around_zero(off * GROW);
-        }
-        true
+        Some(known)
     }
 }

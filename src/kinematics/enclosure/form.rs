@@ -21,12 +21,6 @@ pub trait DimensionForm: Scalar + SummedForm {
     /// Bound of everything except its value and its slopes.
     fn beyond(&self) -> f64;
 
-    /// Its terms of first and second order alone.
-    fn bare(self) -> Self;
-
-    /// Bound of what no coefficient describes, beside its value.
-    fn rest(&self) -> f64;
-
     /// The same with another value and a wider error.
     fn opened(self, by: f64) -> Self;
 
@@ -78,15 +72,6 @@ impl DimensionForm for AffineForm<'_> {
         self.error
     }
 
-    fn bare(mut self) -> Self {
-        (self.value, self.error) = (0.0, 0.0);
-        self
-    }
-
-    fn rest(&self) -> f64 {
-        self.error
-    }
-
     fn opened(mut self, by: f64) -> Self {
         self.error = (self.error + self.value.abs() + by) * GROW;
         self.value = 0.0;
@@ -133,15 +118,6 @@ impl DimensionForm for QuadraticForm<'_> {
 
     fn beyond(&self) -> f64 {
         (self.line.error + self.bend()) * GROW
-    }
-
-    fn bare(mut self) -> Self {
-        self.line = self.line.bare();
-        self
-    }
-
-    fn rest(&self) -> f64 {
-        self.line.error
     }
 
     fn opened(mut self, by: f64) -> Self {

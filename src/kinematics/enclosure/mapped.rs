@@ -7,12 +7,14 @@ pub const SWEEPS: usize = 6;
 
 /// The map of the box.
 pub struct Mapped<F> {
-    /// G, unknown after unknown, by the dimensions that the block depends on.
+    /// G, unknown after unknown.
     pub g: Vec<F>,
-    /// A, row after row, where forms have a second order.
+    /// A, row after row.
     pub entries: Vec<F>,
     /// |A|
     pub a: Contraction,
+    /// η
+    pub eta: Vec<f64>,
 }
 
 /// |A|, row after row: bounds the image of the difference of two poses in the box.

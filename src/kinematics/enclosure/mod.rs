@@ -15,5 +15,4 @@ pub mod pose;
 pub mod quadratic;
 pub mod region;
 pub mod rows;
-mod settled;
 mod twists;

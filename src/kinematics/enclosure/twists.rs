@@ -128,8 +128,6 @@ impl<S: Scalar> ChainTwists<S> {
     /// Calls `take` with the argument of every joint and the derivative of the residual by it.
     pub fn columns(&self, per_size: f64, mut take: impl FnMut(usize, [S; 6])) {
         let zero = S::number(0.0);
-        // Several rotations have one origin.
-        let mut last: Option<[Triple<S>; 2]> = None;
         for Noted {
             joint,
             axis,
@@ -140,12 +138,9 @@ impl<S: Scalar> ChainTwists<S> {
             let [turn, shift] = match joint.motion {
                 ElementaryMotion::Translation => [[zero; 3], axis.map(|c| c.scale(per_size))],
                 ElementaryMotion::Rotation => {
-                    let arm = match last {
-                        Some([known, arm]) if known == *origin => arm,
-                        _ => vector_difference(self.end.origin, *origin).map(|c| c.scale(per_size)),
-                    };
-                    last = Some([*origin, arm]);
-                    [self.skew_rate(*axis), cross_product(*axis, arm)]
+                    let arm = vector_difference(self.end.origin, *origin);
+                    let shift = cross_product(*axis, arm).map(|c| c.scale(per_size));
+                    [self.skew_rate(*axis), shift]
                 }
             };
             let [a, b, c] = turn;

@@ -38,12 +38,22 @@ impl<'r> AffineSum<'r> {
         self.size += size;
     }
 
-    /// Adds value and slopes of a product.
-    pub fn add_line(&mut self, sign: Sign, (a, b): (&AffineForm<'r>, &AffineForm<'r>)) {
+    /// Adds value and slopes of a product. A value that is at most the share `ignored` of its form's slopes does not multiply those of
+    /// the other one by one.
+    pub fn add_line(
+        &mut self,
+        sign: Sign,
+        (a, b): (&AffineForm<'r>, &AffineForm<'r>),
+        ignored: f64,
+    ) {
         let sign = sign.factor();
         self.value += sign * a.value * b.value;
-        self.add_slopes(sign * a.value, b);
-        self.add_slopes(sign * b.value, a);
+        for (by, form) in [(a, b), (b, a)] {
+            match by.value.abs() <= ignored * by.radius {
+                true => self.error += by.value.abs() * form.radius,
+                false => self.add_slopes(sign * by.value, form),
+            }
+        }
     }
 
     /// Makes space for so many slopes; `None` if there is no room.
@@ -86,15 +96,14 @@ impl<'r> AffineSum<'r> {
 
 impl<'r> FormSum for AffineSum<'r> {
     type Form = AffineForm<'r>;
-    type Factors = f64;
+    type Factors = Vec<AffineForm<'r>>;
 
-    fn factors(forms: &[&AffineForm<'r>], _: usize) -> f64 {
-        let size = |sum: f64, form: &&AffineForm<'r>| sum.max(form.radius);
-        forms.iter().fold(0.0, size) * forms.len() as f64
+    fn factors(forms: Vec<AffineForm<'r>>, _: usize) -> Self::Factors {
+        forms
     }
 
-    fn add_products_of_slopes(&mut self, a: &f64, b: &f64) {
-        self.error += a * b;
+    fn add_products(&mut self, a: &Self::Factors, b: &Self::Factors) {
+        a.iter().zip(b).for_each(|(a, b)| self.add_product(a, b));
     }
 
     fn new(start: f64) -> Self {
@@ -148,7 +157,7 @@ impl<'r> FormSum for AffineSum<'r> {
         }
         self.note_room(a);
         self.note_room(b);
-        self.add_line(sign, (a, b));
+        self.add_line(sign, (a, b), 0.0);
         // Errors times values, what is of second order, underflow.
         let (far, wide) = (a.radius + a.error, b.radius + b.error);
         let (u, v) = (a.value.abs(), b.value.abs());

@@ -11,10 +11,12 @@ use crate::numbers::lists::{
 };
 use crate::numbers::rounding::UNDERFLOW;
 use crate::numbers::scalar::Sign;
-use std::borrow::Cow;
 
 /// A value below this share of a form's slopes does not multiply second-order coefficients one by one.
 const NEGLIGIBLE: f64 = 1e-6;
+
+/// Values that are nothing but rounding, as a share of their forms' slopes.
+const INVISIBLE: f64 = 1e-13;
 
 /// A sum so far.
 pub struct QuadraticSum<'r> {
@@ -22,13 +24,10 @@ pub struct QuadraticSum<'r> {
     bends: Vec<f64>,
 }
 
-/// The slopes of the factors of several products.
+/// Factors of several products with the lists of their slopes.
 pub struct QuadraticFactors<'r> {
+    forms: Vec<QuadraticForm<'r>>,
     slopes: FactorLists,
-    /// Bounds of the linear parts.
-    radii: Vec<f64>,
-    /// A factor that knows the room.
-    room: AffineForm<'r>,
 }
 
 impl<'r> QuadraticSum<'r> {
@@ -115,18 +114,19 @@ impl<'r> QuadraticSum<'r> {
         lost
     }
 
-    /// Adds a product of forms that are no numbers except for their terms of second order, of which `lost` is unknown.
+    /// Adds a product of forms that are no numbers except for their terms of second order, of which `lost` is unknown. Values up to the
+    /// share `ignored` of their slopes count as errors.
     fn add_rest_of_product(
         &mut self,
         sign: Sign,
         a: &QuadraticForm<'r>,
         b: &QuadraticForm<'r>,
-        lost: f64,
+        [lost, ignored]: [f64; 2],
     ) {
         let (u, v) = (a.line.value, b.line.value);
         let (rx, ry) = (a.line.radius(), b.line.radius());
         let line = &mut self.line;
-        line.add_line(sign, (&a.line, &b.line));
+        line.add_line(sign, (&a.line, &b.line), ignored);
         let (qx, qy) = (a.bend, b.bend);
         let (ex, ey) = (a.line.error, b.line.error);
         let (far, wide) = (u.abs() + rx + qx, v.abs() + ry + qy);
@@ -185,13 +185,12 @@ impl<'r> FormSum for QuadraticSum<'r> {
         }
     }
 
-    fn factors(forms: &[&QuadraticForm<'r>], span: usize) -> QuadraticFactors<'r> {
+    fn factors(forms: Vec<QuadraticForm<'r>>, span: usize) -> QuadraticFactors<'r> {
         let slopes = forms.iter().map(|form| form.line.slopes());
-        let roomy = forms.iter().find(|form| form.room().is_some());
+        let longest = slopes.clone().map(<[f64]>::len).max().unwrap_or(0);
         QuadraticFactors {
-            slopes: FactorLists::new(slopes, span),
-            radii: forms.iter().map(|form| form.line.radius()).collect(),
-            room: roomy.map_or(AffineForm::ZERO, |form| form.line),
+            slopes: FactorLists::new(slopes, span.max(longest)),
+            forms,
         }
     }
 
@@ -228,10 +227,7 @@ impl<'r> FormSum for QuadraticSum<'r> {
             return;
         }
         let rows = factors.chunks_exact(forms.len().max(1));
-        let factors: Cow<[f64]> = match lists.len() == forms.len() {
-            true => factors.into(),
-            false => rows.flat_map(|row| bent().map(|(k, _)| row[k])).collect(),
-        };
+        let factors: Vec<f64> = rows.flat_map(|row| bent().map(|(k, _)| row[k])).collect();
         let are_unset = sums.iter().all(|sum| sum.bends.capacity() == 0);
         let bends = sums.iter_mut().map(|sum| match are_unset {
             true => sum.unset(length),
@@ -249,20 +245,33 @@ impl<'r> FormSum for QuadraticSum<'r> {
         if !self.has_added_number(sign, a, b) {
             let lost = self.add_products_with_bends(sign, a, b)
                 + self.add_product_of_slopes(sign, &a.line, &b.line);
-            self.add_rest_of_product(sign, a, b, lost);
+            self.add_rest_of_product(sign, a, b, [lost, 0.0]);
         }
     }
 
-    fn add_products_of_slopes(&mut self, a: &QuadraticFactors<'r>, b: &QuadraticFactors<'r>) {
-        self.line.note_room(&a.room);
-        self.line.note_room(&b.room);
-        // Without a room there are no slopes.
-        if let Some(bends) = self.widen(packed_length(a.slopes.span())) {
-            add_symmetric_products(bends, &a.slopes, &b.slopes);
+    fn add_products(&mut self, a: &QuadraticFactors<'r>, b: &QuadraticFactors<'r>) {
+        let pairs = || a.forms.iter().zip(&b.forms);
+        let span = a.slopes.span();
+        for (a, b) in pairs() {
+            self.line.note_room(&a.line);
+            self.line.note_room(&b.line);
         }
-        let pairs = a.radii.iter().zip(&b.radii);
-        let size = pairs.map(|(x, y)| x * y).sum();
-        self.line.count(2.0 * a.radii.len() as f64, size);
+        let bends = match b.slopes.span() == span {
+            true => self.widen(packed_length(span)),
+            false => None,
+        };
+        let Some(bends) = bends else {
+            pairs().for_each(|(a, b)| self.add_product(a, b));
+            return;
+        };
+        // All products of slopes together; numbers have none.
+        add_symmetric_products(bends, &a.slopes, &b.slopes);
+        for (a, b) in pairs() {
+            if !self.has_added_number(Sign::Plus, a, b) {
+                let lost = self.add_products_with_bends(Sign::Plus, a, b);
+                self.add_rest_of_product(Sign::Plus, a, b, [lost, INVISIBLE]);
+            }
+        }
     }
 
     fn finish(self) -> QuadraticForm<'r> {
