@@ -7,7 +7,7 @@ mod tiles;
 use super::clip::{ClipCorner, clip_triangle};
 use super::lens::{Lens, LensVertex, OUTSIDE};
 use super::mask::PixelMask;
-use super::rasterise::DIRECT_REACH;
+use super::raster::DIRECT_REACH;
 use super::samples::SamplePattern;
 use super::window::{Window, line_apron, pitch};
 use crate::render::colour::ToneCurve;

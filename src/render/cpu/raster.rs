@@ -7,6 +7,10 @@ use super::samples::{SUBPIXEL_BITS, SUBPIXELS, SamplePattern};
 use super::window::{TILE, Window};
 use wide::{f32x4, i32x4};
 
+/// Longest side in screen units of a triangle that is visited cell by cell: products of two such lengths,
+/// doubled, stay below 2^31.
+pub(super) const DIRECT_REACH: i32 = 1 << 14;
+
 /// The coverage of one vector of a cell: index of the cell in its tile, number of the vector, all ones in the covered
 /// lanes, depths of all lanes.
 pub(super) trait Visit: FnMut(usize, usize, f32x4, f32x4) {}
@@ -144,7 +148,7 @@ pub(super) struct EdgeSide<T> {
     pub(super) start: T,
 }
 
-/// A small triangle, all in 32 bits.
+/// A small triangle, whose sides are shorter than [`DIRECT_REACH`]: all in 32 bits.
 #[inline(always)]
 pub(super) fn shade_direct<const G: usize>(
     corners: [&LensVertex; 3],

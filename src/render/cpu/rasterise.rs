@@ -10,9 +10,6 @@ use super::window::Window;
 /// A triangle whose part in the tile has at most this many rows or columns is visited cell by cell; in
 /// a larger one the range of cells is computed for each row.
 const DIRECT: i32 = 12;
-/// Longest side in screen units of a triangle that is visited cell by cell: products of two such lengths,
-/// doubled, stay below 2^31.
-pub(super) const DIRECT_REACH: i32 = 1 << 14;
 
 /// Calls `visit` for every vector of samples of which a facet covers any, if one of its pixels is needed.
 #[inline(always)]
