@@ -46,9 +46,14 @@ impl<'s> RegularPoses<'s> {
         }
     }
 
-    /// Whether two poses that seem to be equal are proved not to be.
+    /// Whether two poses that seem to be equal are proved not to be. Those whose idle freedoms are held at different values are not
+    /// compared.
     pub fn are_apart(&mut self, a: &[f64], b: &[f64]) -> bool {
         let mechanism = self.system.mechanism();
+        let mut held = self.system.structure().held.iter().map(|h| h.unknown);
+        if held.any(|slot| (a[slot] - b[slot]).abs() > ONE * mechanism.scale_of(slot)) {
+            return false;
+        }
         let turns = WholeTurns::between(mechanism, a, b);
         // The greatest difference, as a fraction of its scale and as bounds count it.
         let (mut share, mut apart) = (0.0_f64, 0.0_f64);
