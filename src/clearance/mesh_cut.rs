@@ -1,5 +1,5 @@
 //! Whether meshes cut each other, and how far. Meshes have no depth. Instead one body is shifted by a length in many directions,
-//! or made smaller so that its points move as far: what separates the bodies moves every point out of the other one, so that none
+//! or its shapes are made smaller so that their points move as far: what separates the bodies moves every point out of the other one, so that none
 //! of them is deeper in it. If nothing does, the bodies count as cut. A pin that fits its bore is parted by none of the shifts,
 //! but a smaller one is free.
 
@@ -78,7 +78,7 @@ pub(super) struct DeepCuts<'c> {
     cuts: &'c MeshCuts<'c>,
     length: f64,
     /// Both bodies made smaller by half of it, once they are needed.
-    smaller: [OnceCell<Option<BodyElements>>; 2],
+    smaller: [OnceCell<BodyElements>; 2],
 }
 
 impl DeepCuts<'_> {
@@ -90,11 +90,9 @@ impl DeepCuts<'_> {
             && self.meet_shifted(hulls, pose, self.length)
             && [0, 1].into_iter().all(|side| {
                 let smaller = self.smaller[side].get_or_init(|| hulls[side].smaller(half));
-                smaller.as_ref().is_none_or(|smaller| {
-                    let mut hulls = hulls;
-                    hulls[side] = smaller;
-                    self.cuts.do_meet(hulls, pose) && self.meet_shifted(hulls, pose, half)
-                })
+                let mut hulls = hulls;
+                hulls[side] = smaller;
+                self.cuts.do_meet(hulls, pose) && self.meet_shifted(hulls, pose, half)
             })
     }
 

@@ -58,18 +58,13 @@ impl BodyElements {
             .collect()
     }
 
-    /// The same body made smaller about the centre of its ball, so that no point moves farther than a length; `None` for one that
-    /// has no end, or is no larger than that.
-    pub fn smaller(&self, by: f64) -> Option<Self> {
-        let (centre, radius) = self.ball;
-        (radius.is_finite() && by < radius).then(|| {
-            let factor = 1.0 - by / radius;
-            let elements = self.elements.iter();
-            Self {
-                elements: elements.map(|e| e.scaled(centre, factor)).collect(),
-                ball: (centre, factor * radius),
-            }
-        })
+    /// The same body with every element made smaller about its own centre, so that no point moves farther than a length.
+    pub fn smaller(&self, by: f64) -> Self {
+        let elements = self.elements.iter();
+        Self {
+            elements: elements.map(|element| element.smaller(by)).collect(),
+            ball: self.ball,
+        }
     }
 
     fn with_trees(body: &Body, trees: &mut MeshTrees) -> Option<Self> {

@@ -51,6 +51,16 @@ impl OrientedBox {
         }
     }
 
+    /// The same box with all coordinates multiplied by a positive factor.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            centre: self.centre * factor,
+            radius: self.radius * factor,
+            half: self.half * factor,
+            ..*self
+        }
+    }
+
     fn surface(&self) -> f64 {
         let DVec3 { x, y, z } = self.half;
         x * y + y * z + z * x

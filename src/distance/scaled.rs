@@ -1,4 +1,4 @@
-//! Elements made larger or smaller about a point.
+//! Elements made smaller about their centres.
 
 use super::primitive::{BoxCore, Circle, Element, Frustum, HalfSpace, Primitive};
 use crate::math::Pose;
@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 impl Primitive {
     /// The same core with all distances from `centre` multiplied by `factor`.
-    pub fn scaled(&self, centre: DVec3, factor: f64) -> Self {
+    fn scaled(&self, centre: DVec3, factor: f64) -> Self {
         let point = |p: &DVec3| centre + (*p - centre) * factor;
         let pose = |pose: &Pose| Pose {
             translation: point(&pose.translation),
@@ -42,8 +42,14 @@ impl Primitive {
 }
 
 impl Element {
-    /// The same element with all distances from `centre` multiplied by `factor`.
-    pub fn scaled(&self, centre: DVec3, factor: f64) -> Self {
+    /// The same element made smaller about its centre, so that no point moves farther than a length; as it is if it has no end, or
+    /// is no larger than that.
+    pub fn smaller(&self, by: f64) -> Self {
+        let (centre, radius) = self.bounds();
+        if !radius.is_finite() || by >= radius {
+            return self.clone();
+        }
+        let factor = 1.0 - by / radius;
         Self {
             core: self.core.scaled(centre, factor),
             radius: self.radius * factor,

@@ -41,14 +41,17 @@ impl TriangleTree {
         tree
     }
 
-    /// The tree of the same triangles with all coordinates multiplied by a factor.
+    /// The same tree with all coordinates multiplied by a positive factor.
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         let triangles = self.triangles.iter();
-        Self::new(
-            triangles
-                .map(|corners| corners.map(|p| p * factor))
-                .collect(),
-        )
+        let nodes = self.nodes.iter().map(|node| TreeNode {
+            around: node.around.scaled(factor),
+            ..*node
+        });
+        Self {
+            triangles: triangles.map(|t| t.map(|p| p * factor)).collect(),
+            nodes: nodes.collect(),
+        }
     }
 
     /// Adds the node over a range of triangles and all below it.

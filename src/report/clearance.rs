@@ -128,7 +128,7 @@ fn nearest_words(p: &PairReport, unit: &str) -> String {
         "overlap without end".to_owned()
     } else if let Some(shift) = cut {
         format!(
-            "overlap, and neither shifts nor shrinking by up to {} {unit} parts them,",
+            "overlap, and neither shifts by {} {unit} nor smaller shapes part them,",
             at_least_three(shift)
         )
     } else if least.distance < 0.0 {

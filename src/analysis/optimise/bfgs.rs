@@ -59,9 +59,18 @@ pub fn minimise_bfgs(
         let free = search.free(&here);
         let steepest = (0..x.len()).filter(|k| free[*k]);
         let largest = steepest.fold(0.0_f64, |m, k| m.max(here.gradient[k].abs()));
-        if largest <= limits.gradient_tolerance * first_value {
-            // Flat: a minimum, unless it is lower beside it.
-            match search.lower_beside(&here, limits.gradient_tolerance * first_value) {
+        // Quasi-Newton direction among the free variables.
+        let mut direction = inverse.times(&here.gradient, &free);
+        let slope: f64 = direction
+            .iter()
+            .zip(&here.gradient)
+            .map(|(d, g)| d * g)
+            .sum();
+        let gains_nothing = !is_fresh && slope < 0.0 && -slope <= LEAST_PROMISE * here.value.abs();
+        let flat = limits.gradient_tolerance * first_value;
+        if largest <= flat || gains_nothing {
+            // A minimum, unless it is lower beside it.
+            match search.lower_beside(&here, flat.max(largest)) {
                 None => break StopReason::Converged,
                 Some(_) if restarts == beside::MOST => break StopReason::Stalled,
                 Some(next) => here = next,
@@ -75,13 +84,7 @@ pub fn minimise_bfgs(
             break StopReason::OutOfBudget;
         }
         iterations += 1;
-        // Quasi-Newton direction; where it does not descend, the memory is dropped.
-        let mut direction = inverse.times(&here.gradient, &free);
-        let slope: f64 = direction
-            .iter()
-            .zip(&here.gradient)
-            .map(|(d, g)| d * g)
-            .sum();
+        // Where the direction does not descend, the memory is dropped.
         let length = direction.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
         if slope >= 0.0 || slope.is_nan() {
             if is_fresh {
@@ -90,9 +93,6 @@ pub fn minimise_bfgs(
             inverse = Inverse::identity(x.len());
             is_fresh = true;
             continue;
-        }
-        if !is_fresh && -slope <= LEAST_PROMISE * here.value.abs() {
-            break StopReason::Converged;
         }
         if is_fresh && length > 0.0 {
             // The gradient gives the direction, but no step length.

@@ -2,7 +2,7 @@
 
 use super::Certifier;
 use crate::kinematics::results::certificate::Certificate;
-use crate::kinematics::solve::branch::BranchWatch;
+use crate::kinematics::solve::branch::best_rows;
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::solve::turns::WholeTurns;
 use crate::kinematics::structure::system::System;
@@ -18,7 +18,6 @@ const NEARBY: f64 = 1e-3;
 pub struct RegularPoses<'s> {
     system: &'s System,
     certifier: Certifier<'s>,
-    watch: BranchWatch,
     corrector: Corrector,
 }
 
@@ -28,17 +27,14 @@ impl<'s> RegularPoses<'s> {
         Self {
             system,
             certifier: Certifier::new(system),
-            watch: BranchWatch::default(),
             corrector: Corrector::new(system),
         }
     }
 
     /// How far the exact pose is at most, if its Jacobian is proved to be regular: lengths, and angles times the size.
     pub fn error_bound(&mut self, coordinates: &[f64]) -> Option<f64> {
-        let (watch, corrector) = (&mut self.watch, &mut self.corrector);
-        watch.observe(self.system, corrector, coordinates);
-        let bases = self.watch.bases();
-        match self.certifier.certify(coordinates, &[], bases) {
+        let rows = best_rows(self.system, &mut self.corrector, coordinates);
+        match self.certifier.certify(coordinates, &[], &rows) {
             Certificate::Certified { error_bound, .. } => Some(error_bound),
             Certificate::Consistent { .. }
             | Certificate::Locked { .. }

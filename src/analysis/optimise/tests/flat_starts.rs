@@ -11,7 +11,7 @@ struct Start {
     least: f64,
 }
 
-const STARTS: [Start; 5] = [
+const STARTS: [Start; 6] = [
     // A maximum.
     Start {
         value: |x| x[0].cos(),
@@ -38,6 +38,13 @@ const STARTS: [Start; 5] = [
         value: |x| x[0].floor() + 0.5 * (x[0] - x[0].floor()).powi(2),
         slopes: |x| vec![x[0] - x[0].floor()],
         from: &[2.0],
+        least: -3.0,
+    },
+    // The same from a slope that leads down to a jump.
+    Start {
+        value: |x| x[0].floor() + 0.5 * (x[0] - x[0].floor()).powi(2),
+        slopes: |x| vec![x[0] - x[0].floor()],
+        from: &[2.3],
         least: -3.0,
     },
     // A minimum is one.
